@@ -29,10 +29,8 @@ void check(const Image& frame, std::uint32_t width, std::uint32_t height) {
   const bool fits = bytes > 0 && frame.rgba.size() == bytes && frame.width <= WEBP_MAX_DIMENSION &&
                     frame.height <= WEBP_MAX_DIMENSION;
   if (fits && frame.width == width && frame.height == height) return;
-  throw Error(ErrorKind::usage, "a frame of " + std::to_string(frame.width) + " x " + std::to_string(frame.height) +
-                                    " pixels with " + std::to_string(frame.rgba.size()) +
-                                    " bytes does not fit an animation of " + std::to_string(width) + " x " +
-                                    std::to_string(height));
+  throw Error(ErrorKind::usage, "a frame of ", frame.width, " x ", frame.height, " pixels with ", frame.rgba.size(),
+              " bytes does not fit an animation of ", width, " x ", height);
 }
 
 class Picture {

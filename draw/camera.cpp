@@ -45,9 +45,8 @@ std::array<std::array<float, 4>, 3> view_matrix(const Camera& camera) {
                 "a camera must have a finite eye and target and a vertical angle between 0 and 3.1 radians");
   }
   if (!(camera.orthographic_height >= 0 && camera.orthographic_height <= kMaxCoordinate)) {
-    throw Error(ErrorKind::usage, "the height that an orthographic camera sees is " +
-                                      std::to_string(camera.orthographic_height) +
-                                      " m, expected a finite height of 0 (perspective) or more");
+    throw Error(ErrorKind::usage, "the height that an orthographic camera sees is ", camera.orthographic_height,
+                " m, expected a finite height of 0 (perspective) or more");
   }
   const Vec3 eye = to_double(camera.eye);
   const ViewAxes axes = view_axes(camera);

@@ -78,9 +78,9 @@ struct FibrePush {
   ViewPush view;
   std::array<float, 4> offset_lift;
   std::array<float, 2> half_width;
-  std::uint32_t orthographic, first_vertex;
+  std::uint32_t orthographic;
 };
-static_assert(sizeof(FibrePush) == 96);
+static_assert(sizeof(FibrePush) == 92);
 
 // The reference of a surface holds one of these, numbered as in view_surface.vert and .frag.
 enum ReferenceKind : std::uint32_t { kPositions, kDistances, kColours };
@@ -168,17 +168,86 @@ constexpr VkAccessFlags kColourAccess = VK_ACCESS_COLOR_ATTACHMENT_READ_BIT | VK
 constexpr VkAccessFlags kDepthAccess =
     VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_READ_BIT | VK_ACCESS_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
 
-void begin(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffer, VkExtent2D size) {
-  std::array<VkClearValue, 3> clear{};
-  clear[1].depthStencil.depth = 1;
-  auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
-  info.renderPass = pass;
-  info.framebuffer = framebuffer;
-  info.renderArea = {{0, 0}, size};
-  info.clearValueCount = clear.size();
-  info.pClearValues = clear.data();
-  vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+// Clears, draws, and averages the samples where there are several; then the panels go on top.
+RenderPass make_scene_pass(const vulkan::Device& device, VkSampleCountFlagBits samples) {
+  const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;
+  std::vector<PassAttachment> attachments = {
+      {kColourFormat, VK_SAMPLE_COUNT_1_BIT, resolves ? VK_ATTACHMENT_LOAD_OP_DONT_CARE : VK_ATTACHMENT_LOAD_OP_CLEAR,
+       VK_ATTACHMENT_STORE_OP_STORE, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout},
+      {kDepthFormat, samples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE, VK_IMAGE_LAYOUT_UNDEFINED,
+       VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}};
+  if (resolves) {
+    attachments.push_back({kColourFormat, samples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
+                           VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout});
+  }
+  const VkAttachmentReference picture{0, kColourLayout}, several{2, kColourLayout};
+  const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
+  VkSubpassDescription subpass{};
+  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
+  subpass.colorAttachmentCount = 1;
+  subpass.pColorAttachments = resolves ? &several : &picture;
+  subpass.pResolveAttachments = resolves ? &picture : nullptr;
+  subpass.pDepthStencilAttachment = &depth;
+
+  const std::array dependencies = {
+      // The picture before may still be on its way out.
+      VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, kDrawing | VK_PIPELINE_STAGE_TRANSFER_BIT, kDrawing,
+                          VK_ACCESS_TRANSFER_READ_BIT | kColourAccess | kDepthAccess, kColourAccess | kDepthAccess, 0},
+      VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                          VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+                          kColourAccess, 0}};
+  return make_render_pass(device, attachments, subpass, dependencies);
 }
+
+RenderPass make_panel_pass(const vulkan::Device& device) {
+  const std::array dependencies = {
+      VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                          VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+                          kColourAccess, 0},
+      VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
+                          VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
+                          VK_ACCESS_TRANSFER_READ_BIT, 0}};
+  return make_colour_pass(device,
+                          {kPictureFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_LOAD,
+                           VK_ATTACHMENT_STORE_OP_STORE, kColourLayout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL},
+                          dependencies);
+}
+
+// The images that are drawn into.
+class CanvasImages {
+ public:
+  CanvasImages(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass, VkExtent2D size,
+               VkSampleCountFlagBits samples)
+      : size_(size),
+        depth_(make_attachment(
+            device, {size, kDepthFormat, samples,
+                     VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT})),
+        picture_(make_attachment(
+            device, {size, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
+                     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, kPictureFormat})),
+        bytes_(make_view(device, picture_.image.get(), kPictureFormat)),
+        panels_(make_framebuffer(device, panel_pass, size, {bytes_.get()})) {
+    if (samples == VK_SAMPLE_COUNT_1_BIT) {
+      scene_ = make_framebuffer(device, scene_pass, size, {picture_.view.get(), depth_.view.get()});
+      return;
+    }
+    colour_ = make_attachment(device, {size, kColourFormat, samples,
+                                       VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT});
+    scene_ = make_framebuffer(device, scene_pass, size, {picture_.view.get(), depth_.view.get(), colour_.view.get()});
+  }
+
+  VkExtent2D size() const { return size_; }
+  VkImage image() const { return picture_.image.get(); }
+  VkFramebuffer scene() const { return scene_.get(); }
+  VkFramebuffer panels() const { return panels_.get(); }
+
+ private:
+  VkExtent2D size_;
+  Attachment colour_, depth_;  // of several samples; no colour of one
+  Attachment picture_;         // linear colours go in by its view, the panels' bytes by the other
+  ImageView bytes_;
+  Framebuffer scene_, panels_;
+};
 
 }  // namespace
 
@@ -319,8 +388,7 @@ struct Canvas::Impl {
                       FibrePush{push,
                                 {fibres.offset[0], fibres.offset[1], fibres.offset[2], fibres.lift},
                                 half_width(fibres.width, view),
-                                view.camera.orthographic_height > 0,
-                                fibres.first_vertex},
+                                view.camera.orthographic_height > 0},
                       6 * fibres.segment_count);
   }
 
@@ -404,10 +472,10 @@ void Canvas::draw(std::span<const View> views, std::uint32_t width, std::uint32_
   v.commands.timestamp();
   await_data(recorder);
   for (std::size_t k = 0; k < views.size(); ++k) v.shadows[k]->record(recorder, v.sets, views[k]);
-  v.picture->begin_scene(recorder);
+  begin_pass(recorder, v.scene->pass.get(), v.picture->scene(), v.picture->size());
   for (std::size_t k = 0; k < views.size(); ++k) v.record_view(recorder, views[k], pushes[k], *v.shadows[k]);
   vkCmdEndRenderPass(recorder);
-  v.picture->begin_panels(recorder);
+  begin_pass(recorder, v.panel_pass.get(), v.picture->panels(), v.picture->size());
   if (panels) panels(recorder);
   vkCmdEndRenderPass(recorder);
   v.commands.timestamp();
@@ -437,75 +505,5 @@ Image Canvas::picture() const {
   std::memcpy(image.rgba.data(), readback.mapped(), bytes);
   return image;
 }
-
-RenderPass make_scene_pass(const vulkan::Device& device, VkSampleCountFlagBits samples) {
-  const bool resolves = samples != VK_SAMPLE_COUNT_1_BIT;
-  std::vector<PassAttachment> attachments = {
-      {kColourFormat, VK_SAMPLE_COUNT_1_BIT, resolves ? VK_ATTACHMENT_LOAD_OP_DONT_CARE : VK_ATTACHMENT_LOAD_OP_CLEAR,
-       VK_ATTACHMENT_STORE_OP_STORE, VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout},
-      {kDepthFormat, samples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE, VK_IMAGE_LAYOUT_UNDEFINED,
-       VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL}};
-  if (resolves) {
-    attachments.push_back({kColourFormat, samples, VK_ATTACHMENT_LOAD_OP_CLEAR, VK_ATTACHMENT_STORE_OP_DONT_CARE,
-                           VK_IMAGE_LAYOUT_UNDEFINED, kColourLayout});
-  }
-  const VkAttachmentReference picture{0, kColourLayout}, several{2, kColourLayout};
-  const VkAttachmentReference depth{1, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL};
-  VkSubpassDescription subpass{};
-  subpass.pipelineBindPoint = VK_PIPELINE_BIND_POINT_GRAPHICS;
-  subpass.colorAttachmentCount = 1;
-  subpass.pColorAttachments = resolves ? &several : &picture;
-  subpass.pResolveAttachments = resolves ? &picture : nullptr;
-  subpass.pDepthStencilAttachment = &depth;
-
-  const std::array dependencies = {
-      // The picture before may still be on its way out.
-      VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, kDrawing | VK_PIPELINE_STAGE_TRANSFER_BIT, kDrawing,
-                          VK_ACCESS_TRANSFER_READ_BIT | kColourAccess | kDepthAccess, kColourAccess | kDepthAccess, 0},
-      VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-                          VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
-                          kColourAccess, 0}};
-  return make_render_pass(device, attachments, subpass, dependencies);
-}
-
-RenderPass make_panel_pass(const vulkan::Device& device) {
-  const std::array dependencies = {
-      VkSubpassDependency{VK_SUBPASS_EXTERNAL, 0, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-                          VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
-                          kColourAccess, 0},
-      VkSubpassDependency{0, VK_SUBPASS_EXTERNAL, VK_PIPELINE_STAGE_COLOR_ATTACHMENT_OUTPUT_BIT,
-                          VK_PIPELINE_STAGE_TRANSFER_BIT, VK_ACCESS_COLOR_ATTACHMENT_WRITE_BIT,
-                          VK_ACCESS_TRANSFER_READ_BIT, 0}};
-  return make_colour_pass(device,
-                          {kPictureFormat, VK_SAMPLE_COUNT_1_BIT, VK_ATTACHMENT_LOAD_OP_LOAD,
-                           VK_ATTACHMENT_STORE_OP_STORE, kColourLayout, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL},
-                          dependencies);
-}
-
-CanvasImages::CanvasImages(const vulkan::Device& device, VkRenderPass scene_pass, VkRenderPass panel_pass,
-                           VkExtent2D size, VkSampleCountFlagBits samples)
-    : size_(size),
-      scene_pass_(scene_pass),
-      panel_pass_(panel_pass),
-      depth_(make_attachment(device,
-                             {size, kDepthFormat, samples,
-                              VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT})),
-      picture_(make_attachment(
-          device, {size, kColourFormat, VK_SAMPLE_COUNT_1_BIT,
-                   VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT, kPictureFormat})),
-      bytes_(make_view(device, picture_.image.get(), kPictureFormat)),
-      panels_(make_framebuffer(device, panel_pass, size, {bytes_.get()})) {
-  if (samples == VK_SAMPLE_COUNT_1_BIT) {
-    scene_ = make_framebuffer(device, scene_pass, size, {picture_.view.get(), depth_.view.get()});
-    return;
-  }
-  colour_ = make_attachment(device, {size, kColourFormat, samples,
-                                     VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT});
-  scene_ = make_framebuffer(device, scene_pass, size, {picture_.view.get(), depth_.view.get(), colour_.view.get()});
-}
-
-void CanvasImages::begin_scene(VkCommandBuffer commands) const { begin(commands, scene_pass_, scene_.get(), size_); }
-
-void CanvasImages::begin_panels(VkCommandBuffer commands) const { begin(commands, panel_pass_, panels_.get(), size_); }
 
 }  // namespace bodyopt::draw

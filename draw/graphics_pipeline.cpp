@@ -49,13 +49,10 @@ VkAttachmentDescription description_of(const PassAttachment& image) {
 
 }  // namespace
 
-GraphicsPipeline::GraphicsPipeline(const vulkan::Device& device, VkRenderPass render_pass, const PipelineInfo& info)
-    : storage_buffers_(info.storage_buffers) {
-  make_layout(device.handle(), info);
-  make_pipeline(device, render_pass, info);
-}
-
-void GraphicsPipeline::make_layout(VkDevice device, const PipelineInfo& wanted) {
+GraphicsPipeline::GraphicsPipeline(const vulkan::Device& on_device, VkRenderPass render_pass,
+                                   const PipelineInfo& wanted)
+    : storage_buffers_(wanted.storage_buffers) {
+  const VkDevice device = on_device.handle();
   std::vector<VkDescriptorSetLayoutBinding> bindings;
   for (std::uint32_t b = 0; b < wanted.storage_buffers; ++b) {
     bindings.push_back({b, VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, 1, kStages, nullptr});
@@ -66,11 +63,7 @@ void GraphicsPipeline::make_layout(VkDevice device, const PipelineInfo& wanted) 
   }
   set_layout_ = vulkan::make_set_layout(device, bindings);
   layout_ = vulkan::make_pipeline_layout(device, set_layout_.get(), {kStages, 0, wanted.push_bytes});
-}
 
-void GraphicsPipeline::make_pipeline(const vulkan::Device& on_device, VkRenderPass render_pass,
-                                     const PipelineInfo& wanted) {
-  const VkDevice device = on_device.handle();
   const vulkan::ShaderModule vertex = vulkan::make_shader(device, wanted.vertex);
   const vulkan::ShaderModule fragment = vulkan::make_shader(device, wanted.fragment);
   const std::array stages = {vulkan::shader_stage(VK_SHADER_STAGE_VERTEX_BIT, vertex),
@@ -150,9 +143,8 @@ VkDescriptorSet PictureSets::make(const GraphicsPipeline& pipeline,
   std::vector<VkDescriptorBufferInfo> ranges;
   for (const vulkan::Buffer* buffer : buffers) {
     if (buffer->size() > device_.info().max_storage_buffer_range) {
-      throw Error(ErrorKind::device, "a mesh to draw needs a table of " + std::to_string(buffer->size()) +
-                                         " bytes; a shader of '" + device_.info().name + "' sees at most " +
-                                         std::to_string(device_.info().max_storage_buffer_range));
+      throw Error(ErrorKind::device, "a mesh to draw needs a table of ", buffer->size(), " bytes; a shader of '",
+                  device_.info().name, "' sees at most ", device_.info().max_storage_buffer_range);
     }
     ranges.push_back({buffer->handle(), 0, VK_WHOLE_SIZE});
   }
@@ -251,6 +243,18 @@ RenderPass make_colour_pass(const vulkan::Device& device, const PassAttachment& 
   subpass.colorAttachmentCount = 1;
   subpass.pColorAttachments = &colour;
   return make_render_pass(device, {&image, 1}, subpass, dependencies);
+}
+
+void begin_pass(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffer, VkExtent2D size) {
+  std::array<VkClearValue, 3> clear{};
+  clear[1].depthStencil.depth = 1;
+  auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
+  info.renderPass = pass;
+  info.framebuffer = framebuffer;
+  info.renderArea = {{0, 0}, size};
+  info.clearValueCount = clear.size();
+  info.pClearValues = clear.data();
+  vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
 }
 
 void pass_on(VkCommandBuffer commands, VkImage image, const ImagePassage& passage) {

@@ -58,6 +58,9 @@ RenderPass make_render_pass(const vulkan::Device& device, std::span<const PassAt
 RenderPass make_colour_pass(const vulkan::Device& device, const PassAttachment& image,
                             std::span<const VkSubpassDependency> dependencies);
 
+// Begins a pass over all of the framebuffer: what it clears, it clears to black and to the greatest depth.
+void begin_pass(VkCommandBuffer commands, VkRenderPass pass, VkFramebuffer framebuffer, VkExtent2D size);
+
 // A change of layout, or no change, between commands that write and commands that read.
 struct ImagePassage {
   VkImageLayout from, to;
@@ -104,8 +107,6 @@ class GraphicsPipeline {
   }
 
  private:
-  void make_layout(VkDevice device, const PipelineInfo& info);
-  void make_pipeline(const vulkan::Device& device, VkRenderPass render_pass, const PipelineInfo& info);
   void record(VkCommandBuffer commands, VkDescriptorSet set, const void* push, std::uint32_t bytes,
               std::uint32_t corners, const vulkan::Buffer* indices, std::uint32_t first) const;
 

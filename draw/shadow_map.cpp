@@ -10,10 +10,6 @@
 #include "view_shadow.vert.spv.h"
 
 namespace bodyopt::draw {
-
-using vulkan::check;
-using vulkan::structure;
-
 namespace {
 
 constexpr std::uint32_t kSide = 512;  // pixels
@@ -100,14 +96,7 @@ ShadowMap::ShadowMap(const vulkan::Device& device)
       sampler_(make_sampler(device, kClampedSampling)) {}
 
 void ShadowMap::begin(VkCommandBuffer commands, VkFramebuffer framebuffer, const VkRect2D& part) const {
-  const VkClearValue clear{};
-  auto info = structure<VkRenderPassBeginInfo>(VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO);
-  info.renderPass = pipelines_.pass.get();
-  info.framebuffer = framebuffer;
-  info.renderArea = kWhole;
-  info.clearValueCount = 1;
-  info.pClearValues = &clear;
-  vkCmdBeginRenderPass(commands, &info, VK_SUBPASS_CONTENTS_INLINE);
+  begin_pass(commands, pipelines_.pass.get(), framebuffer, kWhole.extent);
   const VkViewport viewport{0, 0, kSide, kSide, 0, 1};
   vkCmdSetViewport(commands, 0, 1, &viewport);
   vkCmdSetScissor(commands, 0, 1, &part);

@@ -83,7 +83,6 @@ struct FibreDraw {
   std::uint32_t segment_count = 0;
   const vulkan::Buffer* points = nullptr;  // FibrePoint, of runtime vertices
   const vulkan::Buffer *positions = nullptr, *normals = nullptr;
-  std::uint32_t first_vertex = 0;
   std::span<const std::uint32_t> colours;  // per fibre, as LinePoint::colour
   std::array<float, 3> offset{};
   float lift = 0.002f;  // metres above the skin

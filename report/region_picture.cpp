@@ -18,7 +18,7 @@ namespace bodyopt::report {
 namespace {
 
 // The regions with which each region shares a vertex.
-std::vector<std::vector<std::size_t>> neighbours_of(std::span<const DrawnRegion> regions, std::size_t vertices) {
+std::vector<std::set<std::size_t>> neighbours_of(std::span<const DrawnRegion> regions, std::size_t vertices) {
   std::vector<std::vector<std::size_t>> regions_at(vertices);
   std::vector<std::set<std::size_t>> neighbours(regions.size());
   for (std::size_t r = 0; r < regions.size(); ++r) {
@@ -30,9 +30,7 @@ std::vector<std::vector<std::size_t>> neighbours_of(std::span<const DrawnRegion>
       regions_at[v].push_back(r);
     }
   }
-  std::vector<std::vector<std::size_t>> result;
-  for (const std::set<std::size_t>& of_one : neighbours) result.emplace_back(of_one.begin(), of_one.end());
-  return result;
+  return neighbours;
 }
 
 // Hues all around in three lightnesses.
@@ -186,7 +184,7 @@ bool is_dot(const std::string& digits, int x, int y) {
 }  // namespace
 
 std::vector<std::array<float, 3>> region_colours(std::span<const DrawnRegion> regions, std::size_t vertices) {
-  const std::vector<std::vector<std::size_t>> neighbours = neighbours_of(regions, vertices);
+  const std::vector<std::set<std::size_t>> neighbours = neighbours_of(regions, vertices);
   std::vector<draw::Oklab> colours = palette(regions.size());
   const auto clashes = [&](std::size_t r) {
     double sum = 0;

@@ -424,8 +424,7 @@ void Application::fulfil() {
   const auto attempt = [&](const auto& asked, const auto& action) {
     if (asked) controls_.attempt(action);
   };
-  if (requests.frame_range)
-    controls_.attempt([&] { session_.framing.frame_range(painter_.area().width, painter_.area().height); });
+  attempt(requests.frame_range, [&] { session_.framing.frame_range(painter_.area().width, painter_.area().height); });
   attempt(requests.keep_keymap, [&] { write_keymap(controls_.keymap, options_.user_folder); });
   attempt(requests.pin, [&] { pin_joint(*requests.pin, session_.scene, controls_); });
   attempt(requests.screenshot, [&] { pictures_.take_screenshot(*requests.screenshot); });

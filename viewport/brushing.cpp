@@ -44,8 +44,7 @@ Brush Brushing::brush() const {
 }
 
 std::optional<Brushing::Hit> Brushing::hit(const draw::Rectangle& area, const std::array<double, 2>& pixel) const {
-  const draw::Rectangle view = view_at(scene_, controls_, area, static_cast<float>(pixel[0]));
-  const Ray ray = ray_through(controls_.camera.camera(), view, pixel[0], pixel[1]);
+  const Ray ray = ray_through(scene_, controls_, area, pixel);
   const Triangles& triangles = sculpting_->stack().database().character.triangles;
   const auto found = first_hit(ray, skin_, {triangles.data(), static_cast<std::size_t>(triangles.size())});
   if (!found) return std::nullopt;
@@ -107,8 +106,7 @@ void Brushing::drag(const draw::Rectangle& area, const std::array<double, 2>& pi
 
 // The point that is held stays under the mouse, as far away as it was.
 void Brushing::pull(const draw::Rectangle& area, const std::array<double, 2>& pixel) {
-  const draw::Rectangle view = view_at(scene_, controls_, area, static_cast<float>(pixel[0]));
-  const auto to = moved_under_pixel(controls_.camera.camera(), view, pixel[0], pixel[1], held_);
+  const auto to = moved_under_pixel(scene_, controls_, area, static_cast<float>(pixel[0]), pixel, held_);
   if (!to) return;
   const Vec3 way = *to - held_;
   sculpting_->pull({way[0], way[1], way[2]});

@@ -46,17 +46,12 @@ void describe_shown(const Actor& character, const shots::ViewSettings& settings,
   row.method = name_of(shown_method(character, settings), character.basis());
 }
 
-std::vector<JointRow> describe(const Skeleton& skeleton) {
+std::vector<JointRow> describe_joints(const Actor& lead) {
   std::vector<JointRow> rows;
-  for (const Joint& joint : skeleton.joints) {
+  for (const Joint& joint : lead.basis().skeleton.joints) {
     const int depth = joint.parent < 0 ? 0 : rows[static_cast<std::size_t>(joint.parent)].depth + 1;
     rows.push_back({joint.name, joint.parent, depth});
   }
-  return rows;
-}
-
-std::vector<JointRow> describe_joints(const Actor& lead) {
-  std::vector<JointRow> rows = describe(lead.basis().skeleton);
   for (const std::string& name : lead.movable_joints()) {
     std::ranges::find(rows, name, &JointRow::name)->furthest = lead.size();
   }

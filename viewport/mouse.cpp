@@ -43,9 +43,7 @@ void turn_ring(const Scene& scene, const draw::Rectangle& picture, const TurnRin
 
 void move_pin(const Scene& scene, const draw::Rectangle& picture, const std::array<float, 2>& to, Controls& controls) {
   Vec3& pin = controls.settings.pose.pins.at(controls.joint);
-  const draw::Rectangle view = view_at(scene, controls, picture, to[0]);
-  const double x = static_cast<double>(to[0]), y = static_cast<double>(to[1]);
-  pin = moved_under_pixel(controls.camera.camera(), view, x, y, pin).value_or(pin);
+  pin = moved_under_pixel(scene, controls, picture, to[0], {to[0], to[1]}, pin).value_or(pin);
 }
 
 // Moves the joint along the axis, as far as the mouse went along it in the picture.
@@ -67,9 +65,7 @@ void move_along(const Scene& scene, const draw::Rectangle& picture, const MoveAr
 void move_under_mouse(const Scene& scene, const draw::Rectangle& picture, const Vec3& at,
                       const std::array<float, 2>& from, const std::array<float, 2>& to, Controls& controls) {
   const auto point = [&](const std::array<float, 2>& pixel) {
-    const draw::Rectangle view = view_at(scene, controls, picture, from[0]);
-    return moved_under_pixel(controls.camera.camera(), view, static_cast<double>(pixel[0]),
-                             static_cast<double>(pixel[1]), at);
+    return moved_under_pixel(scene, controls, picture, from[0], {pixel[0], pixel[1]}, at);
   };
   const auto before = point(from), after = point(to);
   if (!before || !after) return;

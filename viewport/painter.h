@@ -46,8 +46,6 @@ class Painter {
   // A window that shows nothing yet looks dead.
   void show_loading(const std::string& file);
 
-  // Pictures are being written one after the other: nothing else changes them.
-  void set_series(bool goes_on) { controls_.takes_series = goes_on; }
   void forget_heat() { heat_ = {}; }
   bool hides_window() const { return gui_.hides_window(); }
   bool is_busy() const;  // playing, or the mouse holds something

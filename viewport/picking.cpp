@@ -30,6 +30,20 @@ std::optional<std::array<double, 3>> hit(const Ray& ray, const Vec3& a, const Ve
   return std::array{dot(ac, other) / determinant, u, v};
 }
 
+// Returns the ray through a pixel of the area that the camera fills.
+Ray ray_in(const draw::Rectangle& area, const draw::Camera& camera, const std::array<double, 2>& pixel) {
+  const auto [x, y] = pixel;
+  const Vec3 eye = draw::to_double(camera.eye);
+  const draw::ViewAxes axes = draw::view_axes(camera);
+  const auto scale = draw::projection(camera, {0, 1}, aspect_of(area));
+  const double right = (2 * (x - area.x) / std::max(1u, area.width) - 1) / static_cast<double>(scale[0]);
+  const double up = (1 - 2 * (y - area.y) / std::max(1u, area.height)) / static_cast<double>(scale[1]);
+  const Vec3 across = right * axes.right + up * axes.up;
+  const double cut = camera.cut_away ? draw::distance_to_target(camera) : 0;
+  if (camera.orthographic_height > 0) return {eye + across, -1 * axes.back, camera.cut_away ? cut : -1e30};
+  return {eye, across - axes.back, cut};
+}
+
 }  // namespace
 
 draw::Rectangle view_at(const Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x) {
@@ -71,8 +85,7 @@ std::string joint_at(const Scene& scene, const Controls& controls, const draw::R
 
 std::string joint_under_skin_at(Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x,
                                 float y) {
-  const Ray ray = ray_through(controls.camera.camera(), view_at(scene, controls, picture, x), static_cast<double>(x),
-                              static_cast<double>(y));
+  const Ray ray = ray_through(scene, controls, picture, {x, y});
   const MeshTable& mesh = scene.lead().finest_basis().mesh;
   const std::optional<RayHit> hit = first_hit(ray, vertices_of(mesh, scene.lead_skin(controls)), mesh.triangles);
   if (!hit) return "";
@@ -84,8 +97,7 @@ std::string joint_under_skin_at(Scene& scene, const Controls& controls, const dr
 
 std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, const draw::Rectangle& picture, float x,
                                       float y) {
-  const Ray ray = ray_through(controls.camera.camera(), view_at(scene, controls, picture, x), static_cast<double>(x),
-                              static_cast<double>(y));
+  const Ray ray = ray_through(scene, controls, picture, {x, y});
   std::optional<PickedVertex> picked;
   double nearest = 0;
   for (std::size_t c = 0; c < std::min<std::size_t>(2, scene.cast().size()); ++c) {
@@ -101,22 +113,16 @@ std::optional<PickedVertex> vertex_at(Scene& scene, const Controls& controls, co
   return picked;
 }
 
-Ray ray_through(const draw::Camera& camera, const draw::Rectangle& area, double x, double y) {
-  const Vec3 eye = draw::to_double(camera.eye);
-  const draw::ViewAxes axes = draw::view_axes(camera);
-  const auto scale = draw::projection(camera, {0, 1}, aspect_of(area));
-  const double right = (2 * (x - area.x) / std::max(1u, area.width) - 1) / static_cast<double>(scale[0]);
-  const double up = (1 - 2 * (y - area.y) / std::max(1u, area.height)) / static_cast<double>(scale[1]);
-  const Vec3 across = right * axes.right + up * axes.up;
-  const double cut = camera.cut_away ? draw::distance_to_target(camera) : 0;
-  if (camera.orthographic_height > 0) return {eye + across, -1 * axes.back, camera.cut_away ? cut : -1e30};
-  return {eye, across - axes.back, cut};
+Ray ray_through(const Scene& scene, const Controls& controls, const draw::Rectangle& picture,
+                const std::array<double, 2>& pixel) {
+  return ray_in(view_at(scene, controls, picture, static_cast<float>(pixel[0])), controls.camera.camera(), pixel);
 }
 
-std::optional<Vec3> moved_under_pixel(const draw::Camera& camera, const draw::Rectangle& area, double x, double y,
-                                      const Vec3& point) {
+std::optional<Vec3> moved_under_pixel(const Scene& scene, const Controls& controls, const draw::Rectangle& picture,
+                                      float x, const std::array<double, 2>& pixel, const Vec3& point) {
+  const draw::Camera camera = controls.camera.camera();
   const Vec3 towards = draw::to_double(camera.eye) - draw::to_double(camera.target);
-  const Ray ray = ray_through(camera, area, x, y);
+  const Ray ray = ray_in(view_at(scene, controls, picture, x), camera, pixel);
   const double slope = dot(ray.along, towards);
   if (slope == 0) return std::nullopt;
   return ray.from + (dot(point - ray.from, towards) / slope) * ray.along;

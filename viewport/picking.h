@@ -42,12 +42,13 @@ struct Ray {
   double least = 0;  // of t
 };
 
-// Returns the ray through a pixel of the area that the camera fills.
-Ray ray_through(const draw::Camera& camera, const draw::Rectangle& area, double x, double y);
+// Returns the ray through a pixel, in the view that is there.
+Ray ray_through(const Scene& scene, const Controls& controls, const draw::Rectangle& picture,
+                const std::array<double, 2>& pixel);
 
-// Moves a point to where a pixel of that area shows it, as far from the eye as it was; none: nowhere.
-std::optional<Vec3> moved_under_pixel(const draw::Camera& camera, const draw::Rectangle& area, double x, double y,
-                                      const Vec3& point);
+// Moves a point to where the view at `x` shows it at a pixel, as far from the eye as it was; none: nowhere.
+std::optional<Vec3> moved_under_pixel(const Scene& scene, const Controls& controls, const draw::Rectangle& picture,
+                                      float x, const std::array<double, 2>& pixel, const Vec3& point);
 
 struct RayHit {
   Vec3 at, normal;  // the triangle's, unit, towards where the ray comes from

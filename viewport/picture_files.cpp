@@ -232,9 +232,9 @@ draw::Image PictureTaking::draw_and_tell(std::set<std::string>& told) {
 }
 
 void PictureTaking::make(std::unique_ptr<PictureSeries> series) {
-  painter_.set_series(series->count() > 1);
+  session_.controls.takes_series = series->count() > 1;
   if (session_.controls.headless) {
-    const Finally ends{[this] { painter_.set_series(false); }};
+    const Finally ends{[this] { session_.controls.takes_series = false; }};
     std::set<std::string> told;
     return make_all(*series, [&] { return draw_and_tell(told); });
   }
@@ -257,7 +257,7 @@ void PictureTaking::go_on() {
   }
   if (goes_on) return;
   series_.reset();
-  painter_.set_series(false);
+  session_.controls.takes_series = false;
 }
 
 void PictureTaking::show_progress() {

@@ -49,8 +49,6 @@ void write_screenshot(const std::string& file, const DrawPicture& draw, Controls
 // camera back, and waits for single files; one that moves is written with its last picture alone.
 class PictureSeries {
  public:
-  using Action = std::function<void()>;
-
   // `place(k)` before the k-th of `count` is drawn, whose file has the number `first` + k; `put_back` at the end.
   // `milliseconds`: of a picture in one file that moves; 0: each has its own.
   struct Plan {
@@ -58,7 +56,7 @@ class PictureSeries {
     std::size_t count;
     int first;
     std::function<void(std::size_t)> place;
-    Action put_back;
+    std::function<void()> put_back;
     double milliseconds;
   };
   PictureSeries(Plan plan, Controls& controls);

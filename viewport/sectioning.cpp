@@ -86,11 +86,6 @@ trainer::SectionPlane plane_across(const Positions& skin, int axis, double at, b
 
 }  // namespace
 
-Sectioning::Sectioning(std::shared_ptr<const vulkan::Device> device, Scene& scene, Controls& controls)
-    : device_(std::move(device)), scene_(scene), controls_(controls) {}
-
-Sectioning::~Sectioning() = default;
-
 bool Sectioning::Shown::operator==(const Shown& other) const {
   return anatomy == other.anatomy && same(pose, other.pose) && correction == other.correction && axis == other.axis &&
          at == other.at && from_above == other.from_above && coarse == other.coarse;
@@ -211,8 +206,7 @@ std::string Sectioning::name_of(const trainer::TissueAt& tissue) const {
 }
 
 std::string Sectioning::tissue_under(const draw::Rectangle& area, const std::array<double, 2>& mouse) const {
-  const draw::Rectangle view = view_at(scene_, controls_, area, static_cast<float>(mouse[0]));
-  const Ray ray = ray_through(controls_.camera.camera(), view, mouse[0], mouse[1]);
+  const Ray ray = ray_through(scene_, controls_, area, mouse);
   const Eigen::Vector3d out = plane_.down.cross(plane_.right);
   const double along = out.dot(eigen(ray.along)), t = out.dot(plane_.corner - eigen(ray.from)) / along;
   if (!(t > ray.least)) return "";

@@ -20,9 +20,9 @@ struct Anatomy;  // a character, its muscles and its field
 
 class Sectioning {
  public:
-  // All must outlive it.
-  Sectioning(std::shared_ptr<const vulkan::Device> device, Scene& scene, Controls& controls);
-  ~Sectioning();  // waits for what is being worked out
+  // All must outlive it; its end waits for what is being worked out.
+  Sectioning(std::shared_ptr<const vulkan::Device> device, Scene& scene, Controls& controls)
+      : device_(std::move(device)), scene_(scene), controls_(controls) {}
 
   // Finds what lies inside the lead, where the settings ask for it: that takes seconds, once for each character. Then
   // gives the scene the cut skin and its section, again only where pose, correction, plane or `coarse` are others.

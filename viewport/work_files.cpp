@@ -100,9 +100,8 @@ void load_markers(const std::string& file, Controls& controls) {
   for (const auto& [source, target] : trainer::read_markers(file)) {
     const std::vector<std::uint32_t>& counts = controls.output_counts;
     if (counts.size() < 2 || source >= counts[0] || target >= counts[1]) {
-      throw Error(ErrorKind::mismatch, file + ": marks vertex " + std::to_string(source) + " of the lead and " +
-                                           std::to_string(target) +
-                                           " of the second of the cast, which are not both there: other bodies?");
+      throw Error(ErrorKind::mismatch, file, ": marks vertex ", source, " of the lead and ", target,
+                  " of the second of the cast, which are not both there: other bodies?");
     }
     pairs.push_back({source, target});
   }

@@ -3,16 +3,17 @@
 
 const mostRows = 25;
 
-// Rows of these elements, as far as they fit, and how many are left out.
+// A row of each, as far as they fit, and how many are left out.
+function limitedTable(title, heads, all, cells) {
+  const more = `${all.length - mostRows} more are in the JSON of the report.`;
+  const rows = all.slice(0, mostRows).map(cells);
+  return section(title, table(heads, rows), all.length > mostRows ? paragraph(more) : null);
+}
+
 function elementTable(title, heads, elements, cells) {
   if (elements.length === 0) return null;
-  const rows = elements.slice(0, mostRows).map((one) => [one.shot, one.element, ...cells(one)]);
-  const more = `${elements.length - mostRows} more are in the JSON of the report.`;
-  return section(
-    title,
-    table(["shot", "element", ...heads], rows),
-    elements.length > mostRows ? paragraph(more) : null,
-  );
+  const rowOf = (one) => [one.shot, one.element, ...cells(one)];
+  return limitedTable(title, ["shot", "element", ...heads], elements, rowOf);
 }
 
 function showHeadlines({ elements }) {
@@ -94,7 +95,7 @@ function slowestElements({ elements }) {
 
 function hoursOfElements({ elements }) {
   const names = [...new Set(elements.map((one) => one.element))].sort();
-  const rows = names.slice(0, mostRows).map((name) => {
+  return limitedTable("Hours of each element", ["element", "shots", "frames", "hours"], names, (name) => {
     const own = elements.filter((one) => one.element === name);
     const sum = (key) => own.reduce((total, one) => total + one[key], 0);
     const hours = sum("seconds") / 3600;
@@ -105,12 +106,6 @@ function hoursOfElements({ elements }) {
       numberCell(hours, fixedText(hours, 4)),
     ];
   });
-  const more = `${names.length - mostRows} more are in the JSON of the report.`;
-  return section(
-    "Hours of each element",
-    table(["element", "shots", "frames", "hours"], rows),
-    names.length > mostRows ? paragraph(more) : null,
-  );
 }
 
 function showKind({ show, tasks, elements }) {

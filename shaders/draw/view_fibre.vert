@@ -9,7 +9,7 @@ layout(push_constant) uniform Push {
   View view;
   vec4 offset_lift;  // world; how far above the skin, metres
   vec2 half_width;
-  uint orthographic, first_vertex;
+  uint orthographic;
 };
 
 struct Segment {
@@ -24,7 +24,7 @@ layout(std430, set = 0, binding = 4) readonly buffer Colours { uint colours[]; }
 layout(location = 0) out vec4 out_colour;
 
 vec3 lifted(uint vertex) {
-  const uint at = 3 * (first_vertex + vertex);
+  const uint at = 3 * vertex;
   return vec3(positions[at], positions[at + 1], positions[at + 2]) +
          offset_lift.w * vec3(normals[at], normals[at + 1], normals[at + 2]);
 }

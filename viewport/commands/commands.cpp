@@ -9,6 +9,25 @@
 #include "runtime/core/error.h"
 
 namespace bodyopt::viewport {
+namespace {
+
+template <typename Number>
+Number parsed(const std::string& text, const char* what) {
+  Number value = 0;
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) refuse(text, what);
+  return value;
+}
+
+template <typename Number>
+Number require_within(Number value, const std::string& text, const char* what, Number low, Number high) {
+  if (low <= value && value <= high) return value;
+  std::ostringstream expected;
+  expected << what << " from " << low << " to " << high;
+  refuse(text, expected.str());
+}
+
+}  // namespace
 
 [[noreturn]] void refuse(const std::string& argument, const std::string& expected) {
   throw Error(ErrorKind::usage, "'" + argument + "' is not " + expected);
@@ -21,40 +40,20 @@ void require_ending(const std::string& file, const std::string& endings) {
 
 const std::string& known(const std::string& name, const std::vector<std::string>& names, const char* what) {
   if (names.empty()) refuse(name, std::string("a ") + what + ": there is none");
-  if (std::find(names.begin(), names.end(), name) != names.end()) return name;
+  if (std::ranges::find(names, name) != names.end()) return name;
   refuse(name, std::string("a ") + what + "; the nearest is '" + nearest_names(names, name).front() + "'");
 }
 
-double number(const std::string& text) {
-  double value = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (problem != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) refuse(text, "a number");
-  return value;
-}
+double number(const std::string& text) { return parsed<double>(text, "a number"); }
 
 double number_within(const std::string& text, double low, double high) {
-  const double value = number(text);
-  if (value < low || value > high) {
-    std::ostringstream expected;
-    expected << "a number from " << low << " to " << high;
-    refuse(text, expected.str());
-  }
-  return value;
+  return require_within(number(text), text, "a number", low, high);
 }
 
-int integer(const std::string& text) {
-  int value = 0;
-  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (problem != std::errc{} || end != text.data() + text.size()) refuse(text, "a whole number");
-  return value;
-}
+int integer(const std::string& text) { return parsed<int>(text, "a whole number"); }
 
 int integer_within(const std::string& text, int low, int high) {
-  const int value = integer(text);
-  if (value < low || value > high) {
-    refuse(text, "a whole number from " + std::to_string(low) + " to " + std::to_string(high));
-  }
-  return value;
+  return require_within(integer(text), text, "a whole number", low, high);
 }
 
 std::vector<std::string> words(const std::string& text) {

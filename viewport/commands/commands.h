@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "runtime/core/error.h"
 #include "viewport/commands/controls.h"
 
 namespace bodyopt::viewport {
@@ -141,6 +142,14 @@ std::optional<Number> automatic_or(const std::string& text, std::type_identity_t
                                    std::type_identity_t<Number> high,
                                    Number (*within)(const std::string&, Number, Number)) {
   return text == "auto" ? std::nullopt : std::optional(within(text, low, high));
+}
+
+// Returns the key of the frame that is shown. Throws Error(usage) where it has none: "frame 12 has no key", `of` what.
+template <typename Key>
+Key& require_key(const Controls& controls, std::map<int, Key>& keys, const char* of = "") {
+  const auto key = keys.find(controls.playback.frame());
+  if (key != keys.end()) return key->second;
+  throw Error(ErrorKind::usage, "frame ", controls.playback.frame(), " has no key", of);
 }
 
 // Moves a key as "FROM TO" says; a key at the other frame is replaced. False: it is there already.

@@ -67,8 +67,8 @@ std::size_t Controls::cast_place(int number) const {
   std::ranges::sort(known);
   std::string list;
   for (const int one : known) list += (list.empty() ? "" : ", ") + std::to_string(one);
-  throw Error(ErrorKind::usage, "'" + std::to_string(number) + "' is no number of the cast, expected one of " + list +
-                                    ", as the cast panel counts them");
+  throw Error(ErrorKind::usage, "'", number, "' is no number of the cast, expected one of ", list,
+              ", as the cast panel counts them");
 }
 
 void Controls::browse(const std::string& command) {

@@ -19,11 +19,20 @@ constexpr auto view_axis = [](Controls& c, const std::string&) {
   c.requests.keep_framed = true;
 };
 
-// Returns the key of the frame that is shown. Throws Error(usage) where it has none.
 shots::CameraKey& require_camera_key(Controls& c) {
-  const auto key = c.settings.shot_camera.keys.find(c.playback.frame());
-  if (key != c.settings.shot_camera.keys.end()) return key->second;
-  throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key of the camera");
+  return require_key(c, c.settings.shot_camera.keys, " of the camera");
+}
+
+// Makes a switch of the view, as it is now.
+template <bool shots::OrbitView::*member>
+constexpr Command view_switch(const char* name, const char* key, const char* help) {
+  constexpr auto run = [](OrbitCamera& camera, const std::string& a) {
+    shots::OrbitView view = camera.view();
+    toggle(view.*member, a);
+    camera.look(view);
+  };
+  return {
+      name, "[on|off]", key, "Camera", help, run, [](const Controls& c) { return name_of(c.camera.view().*member); }};
 }
 
 const Command kCameraCommands[] = {
@@ -39,20 +48,9 @@ const Command kCameraCommands[] = {
      view_axis<AxisView::left>},
     {"top", "", "7", "Camera", "from above", view_axis<AxisView::top>},
     {"bottom", "", "Ctrl+7", "Camera", "from below", view_axis<AxisView::bottom>},
-    {"orthographic", "[on|off]", "5", "Camera", "without perspective, or with it",
-     [](OrbitCamera& camera, const std::string& a) {
-       bool wanted = camera.view().orthographic;
-       toggle(wanted, a);
-       if (wanted != camera.view().orthographic) camera.toggle_orthographic();
-     },
-     [](const Controls& c) { return name_of(c.camera.view().orthographic); }},
-    {"cut-away", "[on|off]", "", "Camera", "cuts away what stands before the point that the camera turns about",
-     [](OrbitCamera& camera, const std::string& a) {
-       bool wanted = camera.view().cut_away;
-       toggle(wanted, a);
-       if (wanted != camera.view().cut_away) camera.toggle_cut_away();
-     },
-     [](const Controls& c) { return name_of(c.camera.view().cut_away); }},
+    view_switch<&shots::OrbitView::orthographic>("orthographic", "5", "without perspective, or with it"),
+    view_switch<&shots::OrbitView::cut_away>("cut-away", "",
+                                             "cuts away what stands before the point that the camera turns about"),
     switch_command<&shots::ViewSettings::Look::follow>("follow", "V", "Camera", "go along with the character"),
     {"orbit", "DEGREES DEGREES", "", "Camera", "around the target, to the right and up",
      [](OrbitCamera& camera, const std::string& a) {

@@ -163,15 +163,20 @@ void move_keys(Controls& c, bool takes_away, const std::function<int(int)>& to) 
 }
 
 // Undoes or redoes: with keys a pose is that of its frame.
-bool go_to_step(Controls& c, std::optional<int> (PoseHistory::*step)(shots::ViewSettings&, int)) {
+void go_to_step(Controls& c, bool back) {
+  if (c.brush.kind) {
+    c.requests.step_back = back;
+    return;
+  }
   const bool had_keys = !c.settings.pose.keys.empty();
   const std::map<int, shots::CameraKey> cameras = c.settings.shot_camera.keys;
+  const auto step = back ? &PoseHistory::undo : &PoseHistory::redo;
   const std::optional<int> frame = (c.poses.*step)(c.settings, c.playback.frame());
   if (c.settings.shot_camera.keys != cameras) c.shot_frame.reset();
-  if (!frame || (!had_keys && c.settings.pose.keys.empty())) return frame.has_value();
+  if (!frame) return c.say(back ? "nothing to undo: only turns, controls and keys are" : "nothing to redo");
+  if (!had_keys && c.settings.pose.keys.empty()) return;
   c.playback.scrub(*frame);
   c.keyed_frame = c.playback.frame();
-  return true;
 }
 
 // Returns the joint that is named, or all that are selected.
@@ -180,16 +185,11 @@ std::vector<std::string> named_or_all_selected(const Controls& controls, const s
   return name.empty() && !selected.empty() ? selected : std::vector{named_or_selected(controls, name)};
 }
 
-// Returns the key of the frame that is shown.
-shots::ViewSettings::PoseKey& require_key(Controls& controls) {
-  const auto key = controls.settings.pose.keys.find(controls.playback.frame());
-  if (key != controls.settings.pose.keys.end()) return key->second;
-  throw Error(ErrorKind::usage, "frame " + std::to_string(controls.playback.frame()) + " has no key");
-}
-
-const CopiedPose& require_copied(const Controls& controls) {
-  if (!controls.copied) throw Error(ErrorKind::usage, "no pose was copied: 'copy' (Ctrl+C)");
-  return *controls.copied;
+void paste(Controls& c, bool flips) {
+  if (!c.copied) throw Error(ErrorKind::usage, "no pose was copied: 'copy' (Ctrl+C)");
+  const auto& [pose, joints] = *c.copied;
+  put_pose(c, flips ? flipped(c, pose, c.playback.frame()) : pose, flips ? flipped(c, joints) : joints,
+           c.settings.pose);
 }
 
 // Blends the two keys around the frame that is shown, at this share of the way, for some joints or for all.
@@ -198,7 +198,7 @@ void tween(Controls& c, double share) {
   const auto after = keys.upper_bound(c.playback.frame());
   auto before = keys.lower_bound(c.playback.frame());
   if (before == keys.begin() || after == keys.end()) {
-    throw Error(ErrorKind::usage, "frame " + std::to_string(c.playback.frame()) + " has no key before and after it");
+    throw Error(ErrorKind::usage, "frame ", c.playback.frame(), " has no key before and after it");
   }
   put_pose(c, shots::blended((--before)->second, after->second, share), c.selected(), c.settings.pose);
 }
@@ -278,7 +278,7 @@ const Command kPoseCommands[] = {
      }},
     {"ease", "smooth|linear|step|spline", "", "Keys", "from the key of this frame to the next; spline: on through both",
      [](Controls& c, const std::string& a) {
-       shots::ViewSettings::PoseKey& key = require_key(c);
+       shots::ViewSettings::PoseKey& key = require_key(c, c.settings.pose.keys);
        choose(key.ease, a, shots::kKeyEaseNames);
        c.settings.pose.ease = key.ease;
      },
@@ -287,7 +287,7 @@ const Command kPoseCommands[] = {
      [](Controls& c, const std::string& a) {
        std::optional<shots::KeyEase> ease;
        if (a != "key") choose(ease.emplace(), a, shots::kKeyEaseNames);
-       std::map<std::string, shots::KeyEase>& eases = require_key(c).eases;
+       std::map<std::string, shots::KeyEase>& eases = require_key(c, c.settings.pose.keys).eases;
        for (const std::string& joint : named_or_all_selected(c, "")) {
          std::vector<std::string> names = axes_turning(c, joint);
          names.push_back(joint);
@@ -337,16 +337,9 @@ const Command kPoseCommands[] = {
      [](Controls& c, const std::string&) {
        c.copied = CopiedPose{part_of(c, c.settings.pose, c.selected()), c.selected()};
      }},
-    {"paste", "", "Ctrl+V", "Pose", "what was copied",
-     [](Controls& c, const std::string&) {
-       const CopiedPose& copied = require_copied(c);
-       put_pose(c, copied.pose, copied.joints, c.settings.pose);
-     }},
+    {"paste", "", "Ctrl+V", "Pose", "what was copied", [](Controls& c, const std::string&) { paste(c, false); }},
     {"paste-flipped", "", "Ctrl+Shift+V", "Pose", "what was copied, left and right exchanged",
-     [](Controls& c, const std::string&) {
-       const CopiedPose& copied = require_copied(c);
-       put_pose(c, flipped(c, copied.pose, c.playback.frame()), flipped(c, copied.joints), c.settings.pose);
-     }},
+     [](Controls& c, const std::string&) { paste(c, true); }},
     {"flip-keys", "", "", "Keys", "left and right exchanged in all keys of the range",
      [](Controls& c, const std::string&) {
        for (auto& [frame, key] : c.settings.pose.keys) {
@@ -391,21 +384,9 @@ const Command kPoseCommands[] = {
     {"reset-pose", "", "Shift+R", "Pose", "the pose as the clip has it",
      [](Controls& c, const std::string&) { put_pose(c, {}, {}, c.settings.pose); }},
     {"undo", "", "Ctrl+Z", "Pose", "the posing before the last change; with a brush in hand: undo-edit",
-     [](Controls& c, const std::string&) {
-       if (c.brush.kind) {
-         c.requests.step_back = true;
-         return;
-       }
-       if (!go_to_step(c, &PoseHistory::undo)) c.say("nothing to undo: only turns, controls and keys are");
-     }},
+     [](Controls& c, const std::string&) { go_to_step(c, true); }},
     {"redo", "", "Ctrl+Shift+Z", "Pose", "the posing that was undone; with a brush in hand: redo-edit",
-     [](Controls& c, const std::string&) {
-       if (c.brush.kind) {
-         c.requests.step_back = false;
-         return;
-       }
-       if (!go_to_step(c, &PoseHistory::redo)) c.say("nothing to redo");
-     }},
+     [](Controls& c, const std::string&) { go_to_step(c, false); }},
     {"correction", "0-1", "", "Pose", "how much is shown of what was learned",
      [](shots::ViewSettings::Posing& pose, const std::string& a) { pose.correction = number_within(a, 0, 1); }},
     switch_command<&shots::ViewSettings::Jiggling::on>("jiggle", "J", "Pose", "flesh that moves by inertia"),

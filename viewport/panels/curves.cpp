@@ -90,20 +90,11 @@ std::array<double, 2> scale_of(const std::vector<Curve>& curves, Keys keys, doub
 }
 
 // Frames go to the right, values up.
-struct Plot {
-  ImVec2 at, size;
-  int first, last;
+struct Plot : FrameBar {
   double low, high;
 
-  float x(double frame) const {
-    return at.x + kDiamond + static_cast<float>((frame - first) / std::max(1, last - first)) * (size.x - 2 * kDiamond);
-  }
   float y(double value) const {
     return at.y + size.y - kMargin - static_cast<float>((value - low) / (high - low)) * (size.y - 2 * kMargin);
-  }
-  int frame(float x) const {
-    const double share = static_cast<double>((x - at.x - kDiamond) / std::max(1.0f, size.x - 2 * kDiamond));
-    return first + static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * (last - first)));
   }
   double per_point() const { return (high - low) / static_cast<double>(std::max(1.0f, size.y - 2 * kMargin)); }
 };
@@ -120,7 +111,7 @@ void draw_plot(const Plot& plot, const Controls& controls) {
                  text.c_str());
   }
   const int shown = controls.playback.frame();
-  if (shown < plot.first || plot.last < shown) return;
+  if (!plot.shows(shown)) return;
   list.AddLine({plot.x(shown), plot.at.y}, {plot.x(shown), end.y}, quiet);
 }
 
@@ -178,7 +169,8 @@ void draw_curves(Controls& controls, float name_width, float width, int first, i
   const Keys keys = only(curves, controls.settings.pose.keys);
   std::array<double, 2>& scale = controls.typed.curve_scale;  // stays while a key is dragged
   if (!controls.typed.curve_value) scale = scale_of(curves, keys, controls.joint.empty() ? 1 : 20);
-  const Plot plot{{at.x + name_width, at.y}, {width - name_width, room.y}, first, last, scale[0], scale[1]};
+  const FrameBar bar{{at.x + name_width, at.y}, {width - name_width, room.y}, first, last, kDiamond};
+  const Plot plot{bar, scale[0], scale[1]};
   ImGui::PushClipRect(at, {at.x + name_width - 4, at.y + room.y}, true);
   for (const Curve& curve : curves) ImGui::TextColored(ImColor(curve.colour), "%s", curve.label().c_str());
   ImGui::PopClipRect();
@@ -189,7 +181,7 @@ void draw_curves(Controls& controls, float name_width, float width, int first, i
   std::string command;
   for (const Curve& curve : curves) {
     for (const auto& [frame, key] : keys) {
-      if (frame < first || last < frame || !curve.is_in(key)) continue;
+      if (!plot.shows(frame) || !curve.is_in(key)) continue;
       const std::string of_key = drag_key(curve, frame, plot, controls);
       if (!of_key.empty()) command = of_key;
     }

@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <functional>
 #include <string>
 
 #include "runtime/core/text.h"
@@ -15,46 +16,16 @@ constexpr ImU32 kPlain = IM_COL32(190, 190, 194, 255);
 constexpr float kHudLeft = 14;
 
 // Takes the figures, a line each.
-class Lines {
- public:
-  virtual ~Lines() = default;
-  virtual void add(const std::string& text, ImU32 colour = kPlain) = 0;
-  void add(double value, const char* unit, const std::string& what) {
+struct Lines {
+  std::function<void(const std::string& text, ImU32 colour)> draw;
+
+  void add(const std::string& text, ImU32 colour = kPlain) const { draw(text, colour); }
+  void add(double value, const char* unit, const std::string& what) const {
     add(formatted("%.*f %s  ", value < 100 ? 2 : 0, value, unit) + what);
   }
 };
 
-// From the top left corner, on no window of their own, as long as there is room.
-class LinesOverPicture : public Lines {
- public:
-  LinesOverPicture(float top, float bottom) : y_(top), bottom_(bottom) {}
-  using Lines::add;
-  void add(const std::string& text, ImU32 colour) override {
-    constexpr float kWidth = kHudWidth - kHudLeft;
-    const float height = ImGui::CalcTextSize(text.c_str(), nullptr, false, kWidth).y;
-    if (y_ + height > bottom_) return;
-    ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    for (const auto& [off, ink] : {std::pair(1.0f, IM_COL32(0, 0, 0, 210)), {0.0f, colour}}) {
-      list.AddText(nullptr, 0, {kHudLeft + off, y_ + off}, ink, text.c_str(), nullptr, kWidth);
-    }
-    y_ += height + 3;
-  }
-
- private:
-  float y_, bottom_;
-};
-
-class LinesOfWindow : public Lines {
- public:
-  using Lines::add;
-  void add(const std::string& text, ImU32 colour) override {
-    ImGui::PushStyleColor(ImGuiCol_Text, colour);
-    ImGui::TextUnformatted(text.c_str());
-    ImGui::PopStyleColor();
-  }
-};
-
-void add_coverage(const Snapshot& snapshot, Lines& lines) {
+void add_coverage(const Snapshot& snapshot, const Lines& lines) {
   constexpr ImU32 kOutside = IM_COL32(194, 140, 255, 255);
   if (snapshot.outside > 0) {
     lines.add("not trained for: " + snapshot.outside_feature + " (" + snapshot.outside_by + " beyond)", kOutside);
@@ -62,18 +33,18 @@ void add_coverage(const Snapshot& snapshot, Lines& lines) {
   if (snapshot.expected_mm) lines.add(*snapshot.expected_mm, "mm", "expected error");
 }
 
-void add_live(const LiveRow& live, Lines& lines) {
+void add_live(const LiveRow& live, const Lines& lines) {
   constexpr ImU32 kLive = IM_COL32(120, 205, 140, 255);
   lines.add(live.frame ? "live: frame " + std::to_string(*live.frame) : "live: no pose has come", kLive);
   if (live.rejected == 0) return;
   lines.add(std::to_string(live.rejected) + " rejected, the last: " + live.last_rejection, kErrorColour);
 }
 
-void add_pins(const Snapshot& snapshot, Lines& lines) {
+void add_pins(const Snapshot& snapshot, const Lines& lines) {
   for (const shots::MissedPin& pin : snapshot.missed_pins) lines.add(shots::describe(pin), kErrorColour);
 }
 
-void add_times(const Snapshot& snapshot, Lines& lines) {
+void add_times(const Snapshot& snapshot, const Lines& lines) {
   lines.add(snapshot.frame_ms, "ms", "picture");
   lines.add(snapshot.draw_ms, "ms", "draw");
   snapshot.stage_seconds.for_each(
@@ -87,13 +58,13 @@ void add_times(const Snapshot& snapshot, Lines& lines) {
 }
 
 // Poses hold for all frames, and are easily forgotten.
-void add_turned(const Snapshot& snapshot, const Controls& controls, Lines& lines) {
+void add_turned(const Snapshot& snapshot, const Controls& controls, const Lines& lines) {
   const auto count =
       std::ranges::count_if(snapshot.joints, [&](const JointRow& row) { return controls.is_posed(row.name); });
   if (count > 0) lines.add(std::to_string(count) + (count == 1 ? " joint posed" : " joints posed"), kAccent);
 }
 
-void add_figures(const Snapshot& snapshot, const Controls& controls, bool all, Lines& lines) {
+void add_figures(const Snapshot& snapshot, const Controls& controls, bool all, const Lines& lines) {
   if (snapshot.live) add_live(*snapshot.live, lines);
   lines.add(snapshot.shown_fps, "fps", std::to_string(controls.playback.dropped()) + " dropped");
   if (all) add_times(snapshot, lines);
@@ -133,9 +104,19 @@ float place_window(const PanelLayout& layout) {
 
 void draw_hud(const Snapshot& snapshot, const Controls& controls, const PanelLayout& layout) {
   if (layout.overlaid.left == 0) return;
-  LinesOverPicture lines(layout.menu + std::max(12.0f, layout.overlaid.top + 4),
-                         layout.bottom() - layout.overlaid.bottom);
-  add_figures(snapshot, controls, !shows_two_views(snapshot, controls), lines);
+  // From the top left corner, on no window of their own, as long as there is room.
+  constexpr float kWidth = kHudWidth - kHudLeft;
+  float y = layout.menu + std::max(12.0f, layout.overlaid.top + 4);
+  const auto draw = [&](const std::string& text, ImU32 colour) {
+    const float height = ImGui::CalcTextSize(text.c_str(), nullptr, false, kWidth).y;
+    if (y + height > layout.bottom() - layout.overlaid.bottom) return;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    for (const auto& [off, ink] : {std::pair(1.0f, IM_COL32(0, 0, 0, 210)), {0.0f, colour}}) {
+      list.AddText(nullptr, 0, {kHudLeft + off, y + off}, ink, text.c_str(), nullptr, kWidth);
+    }
+    y += height + 3;
+  };
+  add_figures(snapshot, controls, !shows_two_views(snapshot, controls), {draw});
 }
 
 void draw_messages(const Snapshot& snapshot, Controls& controls, PanelLayout& layout) {
@@ -147,8 +128,12 @@ void draw_messages(const Snapshot& snapshot, Controls& controls, PanelLayout& la
                                         ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoFocusOnAppearing;
   ImGui::Begin("Messages", nullptr, kOverlay);
   ImGui::PushTextWrapPos(width);
-  LinesOfWindow lines;
-  if (has_figures) add_figures(snapshot, controls, false, lines);
+  const auto draw = [](const std::string& text, ImU32 colour) {
+    ImGui::PushStyleColor(ImGuiCol_Text, colour);
+    ImGui::TextUnformatted(text.c_str());
+    ImGui::PopStyleColor();
+  };
+  if (has_figures) add_figures(snapshot, controls, false, {draw});
   for (const Message& message : controls.messages) {
     if (message.error) {
       ImGui::TextColored({1, 0.5f, 0.38f, 1}, "%s", message.text.c_str());

@@ -41,15 +41,12 @@ std::string draw_diamonds(const KeyedLine& line, const ImVec2& at, float width, 
                           const Controls& controls) {
   std::string command;
   const ImU32 colour = line.is_camera ? kCameraColour : kAccent;
-  const double count = std::max(1, last - first);
+  const FrameBar bar{at, {width, kRow - 2}, first, std::max(last, first + 1), kDiamond};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(at, {at.x + width, at.y + kRow - 2}, ImGui::GetColorU32(ImGuiCol_FrameBg, 0.6f));
-  const auto place = [&](int frame) {
-    return at.x + kDiamond + static_cast<float>((frame - first) / count) * (width - 2 * kDiamond);
-  };
   for (const auto& [frame, ease] : line.keys) {
     if (frame < first || last < frame) continue;
-    const float x = place(frame), y = at.y + kRow / 2 - 1;
+    const float x = bar.x(frame), y = at.y + kRow / 2 - 1;
     ImGui::SetCursorScreenPos({x - kDiamond, at.y});
     ImGui::PushID(frame);
     ImGui::InvisibleButton(line.name.c_str(), {2 * kDiamond, kRow});
@@ -58,8 +55,7 @@ std::string draw_diamonds(const KeyedLine& line, const ImVec2& at, float width, 
       ImGui::SetTooltip("frame %d: drag to move this key%s", frame,
                         line.is_camera ? "" : ", with Shift all poses of the range");
     if (ImGui::IsItemDeactivated()) {
-      const double share = static_cast<double>((ImGui::GetIO().MousePos.x - at.x - kDiamond) / (width - 2 * kDiamond));
-      const int to = first + static_cast<int>(std::lround(std::clamp(share, 0.0, 1.0) * count));
+      const int to = bar.frame(ImGui::GetIO().MousePos.x);
       const std::string moved =
           ImGui::GetIO().KeyShift && !line.is_camera
               ? "shift-keys " + std::to_string(to - frame)
@@ -83,7 +79,7 @@ std::string draw_diamonds(const KeyedLine& line, const ImVec2& at, float width, 
   }
   const int shown = controls.playback.frame();
   if (shown < first || last < shown) return command;
-  const float head = place(shown);
+  const float head = bar.x(shown);
   list.AddLine({head, at.y}, {head, at.y + kRow - 2}, ImGui::GetColorU32(ImGuiCol_Text, 0.5f));
   return command;
 }

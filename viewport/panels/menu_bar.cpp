@@ -92,6 +92,13 @@ int leave_nothing_selected(ImGuiInputTextCallbackData* data) {
   return 0;
 }
 
+// Draws a field for what is typed; whether Enter was, be it before the field hears.
+bool draw_field(const char* id, const char* hint, std::string& text, bool hears, Controls& controls) {
+  constexpr ImGuiInputTextFlags kFlags = ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackAlways;
+  const bool enters = ImGui::InputTextWithHint(id, hint, &text, kFlags, leave_nothing_selected, &hears);
+  return std::exchange(controls.typed.entered, false) || enters;
+}
+
 // Typing stops at once: the next letters are keys again, not for a field that is gone.
 void stop_typing() {
   ImGui::ClearActiveID();
@@ -208,11 +215,8 @@ void draw_file_dialog(Controls& controls, const PanelLayout& layout) {
     dialog.name = dialog.is_typed ? dialog.name + early : early;  // in place of what was proposed
     dialog.is_typed = true;
   }
-  bool hears = !begins || !dialog.is_typed;
-  const bool enters = ImGui::InputTextWithHint(
-      "##name", command.argument, &dialog.name,
-      ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackAlways, leave_nothing_selected, &hears);
-  bool done = std::exchange(controls.typed.entered, false) || enters || choice.done;
+  const bool hears = !begins || !dialog.is_typed;
+  bool done = draw_field("##name", command.argument, dialog.name, hears, controls) || choice.done;
   const float width = share_of_line(2);
   ImGui::BeginDisabled(dialog.name.empty());
   done |= ImGui::Button(dialog.replaces() && writes_file(dialog.command) ? "Replace" : label_of(command).c_str(),
@@ -272,12 +276,9 @@ void draw_prompt(Controls& controls, const PanelLayout& layout) {
   if (!is_chosen_from && !ImGui::IsAnyItemActive()) ImGui::SetKeyboardFocusHere();
   ImGui::SetNextItemWidth(-1);
   std::string& text = controls.typed.prompt;
-  bool hears = ImGui::GetActiveID() == ImGui::GetID("##command");
+  const bool hears = ImGui::GetActiveID() == ImGui::GetID("##command");
   if (!hears) text += early_letters();
-  const bool enters = ImGui::InputTextWithHint(
-      "##command", "a command, as: frame 12", &text,
-      ImGuiInputTextFlags_EnterReturnsTrue | ImGuiInputTextFlags_CallbackAlways, leave_nothing_selected, &hears);
-  const bool entered = std::exchange(controls.typed.entered, false) || enters;
+  const bool entered = draw_field("##command", "a command, as: frame 12", text, hears, controls);
   const bool left = ImGui::IsItemDeactivated() && !entered && ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape));
   draw_hints(text);
   ImGui::End();

@@ -4,7 +4,9 @@
 #include <imgui.h>
 #include <imgui_stdlib.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -92,6 +94,24 @@ struct PanelLayout {
 
   float right() const { return width - side; }
   float bottom() const { return height - timeline; }
+};
+
+// Frames from left to right in a bar, points.
+struct FrameBar {
+  ImVec2 at, size;
+  int first, last;
+  float inset = 0;  // of the first and the last from the bar's ends
+
+  float x(double frame) const {
+    const double t = last > first ? (frame - first) / (last - first) : 0;
+    return at.x + inset + static_cast<float>(std::clamp(t, 0.0, 1.0)) * (size.x - 2 * inset);
+  }
+  bool shows(int frame) const { return first <= frame && frame <= last; }
+  // The frame nearest to a place.
+  int frame(float x) const {
+    const auto t = static_cast<double>((x - at.x - inset) / std::max(1.0f, size.x - 2 * inset));
+    return first + static_cast<int>(std::lround(std::clamp(t, 0.0, 1.0) * (last - first)));
+  }
 };
 
 void draw_menu_bar(const Snapshot& snapshot, Controls& controls);

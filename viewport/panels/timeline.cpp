@@ -16,23 +16,8 @@ constexpr ImU32 kBar = IM_COL32(38, 38, 41, 255), kRange = IM_COL32(62, 62, 66, 
 constexpr ImU32 kTick = IM_COL32(110, 110, 116, 255), kKeyColour = IM_COL32(120, 170, 220, 255);
 constexpr ImU32 kUnkeyed = IM_COL32(150, 92, 30, 255);
 
-struct Bar {
-  ImVec2 at, size;
-  int first, last;
-
-  float x(double frame) const {
-    const double t = last > first ? (frame - first) / (last - first) : 0;
-    return at.x + static_cast<float>(std::clamp(t, 0.0, 1.0)) * size.x;
-  }
-  bool shows(int frame) const { return first <= frame && frame <= last; }
-  int frame(float x) const {
-    const double t = std::clamp(static_cast<double>((x - at.x) / std::max(1.0f, size.x)), 0.0, 1.0);
-    return first + static_cast<int>(std::lround(t * (last - first)));
-  }
-};
-
 // Numbers at round distances, as many as there is room for.
-void draw_ticks(ImDrawList& list, const Bar& bar) {
+void draw_ticks(ImDrawList& list, const FrameBar& bar) {
   const double per_pixel = static_cast<double>(bar.last - bar.first) / static_cast<double>(std::max(1.0f, bar.size.x));
   std::int64_t distance = 1;
   for (int k = 0; static_cast<double>(distance) <= 60 * per_pixel; ++k) distance *= k % 2 == 0 ? 5 : 2;
@@ -47,7 +32,7 @@ void draw_ticks(ImDrawList& list, const Bar& bar) {
 std::string text_of(float error) { return formatted("%.2f mm", static_cast<double>(error)); }
 
 // The frames that were measured, brighter than the others, and their RMS from the bottom; `worst`: the full height.
-void draw_error_columns(ImDrawList& list, const Bar& bar, const Snapshot& snapshot, float worst) {
+void draw_error_columns(ImDrawList& list, const FrameBar& bar, const Snapshot& snapshot, float worst) {
   const std::vector<ErrorRow>& errors = snapshot.errors;
   const float bottom = bar.at.y + bar.size.y;
   // One column per pixel at most, as high as the worst of its frames.
@@ -68,7 +53,7 @@ void draw_error_columns(ImDrawList& list, const Bar& bar, const Snapshot& snapsh
   }
 }
 
-void draw_errors(ImDrawList& list, const Bar& bar, const Snapshot& snapshot) {
+void draw_errors(ImDrawList& list, const FrameBar& bar, const Snapshot& snapshot) {
   const float worst = snapshot.worst ? snapshot.errors[*snapshot.worst].rms : 0;
   draw_error_columns(list, bar, snapshot, worst);
   if (!(worst > 0) || !bar.shows(snapshot.first_frame + static_cast<int>(*snapshot.worst))) return;
@@ -85,14 +70,14 @@ std::string describe(const ErrorRow& error) {
   return std::isfinite(error.rms) ? text_of(error.rms) + " RMS" : "nothing to compare with";
 }
 
-void explain_frame(const Bar& bar, const Snapshot& snapshot, const char* rest) {
+void explain_frame(const FrameBar& bar, const Snapshot& snapshot, const char* rest) {
   const int frame = bar.frame(ImGui::GetIO().MousePos.x);
   const auto index = static_cast<std::size_t>(frame - snapshot.first_frame);
   const std::string error = index < snapshot.errors.size() ? ": " + describe(snapshot.errors[index]) : "";
   ImGui::SetTooltip("frame %d%s%s", frame, error.c_str(), rest);
 }
 
-void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
+void draw_frames(const Snapshot& snapshot, Controls& controls, const FrameBar& bar) {
   Playback& playback = controls.playback;
   ImGui::SetCursorScreenPos(bar.at);
   ImGui::InvisibleButton("frames", bar.size);
@@ -116,7 +101,7 @@ void draw_frames(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
 }
 
 // An end of the range, to be dragged: a flag over the bar, towards the other end.
-void draw_end(const char* command, int end, float side, Controls& controls, const Bar& bar) {
+void draw_end(const char* command, int end, float side, Controls& controls, const FrameBar& bar) {
   constexpr float kSize = 9;
   const float x = bar.x(end), top = bar.at.y - kSize - 1;
   ImGui::SetCursorScreenPos({std::min(x, x + side * kSize), top});
@@ -130,7 +115,7 @@ void draw_end(const char* command, int end, float side, Controls& controls, cons
 }
 
 // Draws errors under the bar: a click goes to the worst frame, and from there to its worst vertex.
-void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar) {
+void draw_sparkline(const Snapshot& snapshot, Controls& controls, const FrameBar& bar) {
   ImGui::SetCursorScreenPos(bar.at);
   const bool clicked = ImGui::InvisibleButton("errors", bar.size);
   if (ImGui::IsItemHovered()) explain_frame(bar, snapshot, "\nclick: to the worst frame, then to its worst vertex");
@@ -144,7 +129,7 @@ void draw_sparkline(const Snapshot& snapshot, Controls& controls, const Bar& bar
 }
 
 // Pixel by pixel, as far as the sound swings while it passes; the loudest fills the height, silence is a line.
-void draw_waveform(const Snapshot& snapshot, const Controls& controls, const Bar& bar) {
+void draw_waveform(const Snapshot& snapshot, const Controls& controls, const FrameBar& bar) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(bar.at, {bar.at.x + bar.size.x, bar.at.y + bar.size.y}, kBar, 3);
   if (!snapshot.waveform) return;
@@ -161,7 +146,7 @@ void draw_waveform(const Snapshot& snapshot, const Controls& controls, const Bar
   }
 }
 
-void draw_head(const Bar& bar, float bottom, int frame) {
+void draw_head(const FrameBar& bar, float bottom, int frame) {
   if (!bar.shows(frame)) return;
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float x = bar.x(frame);
@@ -169,17 +154,17 @@ void draw_head(const Bar& bar, float bottom, int frame) {
   list.AddTriangleFilled({x - 5, bar.at.y - 4}, {x + 5, bar.at.y - 4}, {x, bar.at.y + 4}, kAccent);
 }
 
-Bar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
+FrameBar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
   constexpr float kSparkline = 20, kGap = 4;
   const ImVec2 at = ImGui::GetCursorScreenPos();
   const float width = std::max(1.0f, ImGui::GetContentRegionAvail().x);
   const float sound = controls.sound.file.empty() ? 0 : kSoundHeight;
   const float below = (snapshot.errors.empty() ? 0 : kSparkline + kGap) + sound;
   const Playback& playback = controls.playback;
-  const Bar frames{at,
-                   {width, bottom - at.y - below},
-                   controls.zooms ? playback.in() : playback.first(),
-                   controls.zooms ? playback.out() : playback.last()};
+  const FrameBar frames{at,
+                        {width, bottom - at.y - below},
+                        controls.zooms ? playback.in() : playback.first(),
+                        controls.zooms ? playback.out() : playback.last()};
   draw_frames(snapshot, controls, frames);
   if (!controls.zooms) {  // a flag that is dragged would take the bar along
     draw_end("in", controls.playback.in(), 1, controls, frames);
@@ -190,7 +175,7 @@ Bar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
                    {{at.x, bottom - sound - kSparkline}, {width, kSparkline}, frames.first, frames.last});
   }
   if (sound > 0) {
-    const Bar under{{at.x, bottom - sound + kGap}, {width, sound - kGap}, frames.first, frames.last};
+    const FrameBar under{{at.x, bottom - sound + kGap}, {width, sound - kGap}, frames.first, frames.last};
     draw_waveform(snapshot, controls, under);
   }
   draw_head(frames, bottom, playback.frame());
@@ -198,7 +183,7 @@ Bar draw_bars(const Snapshot& snapshot, Controls& controls, float bottom) {
 }
 
 // Draws the sheet under the bar, each key under its frame; the names are to its left.
-void draw_dope_sheet(Controls& controls, const Bar& bar, float top) {
+void draw_dope_sheet(Controls& controls, const FrameBar& bar, float top) {
   ImGui::SetCursorScreenPos({ImGui::GetWindowPos().x + ImGui::GetStyle().WindowPadding.x, top});
   const float name_width = bar.at.x - kDiamond - ImGui::GetCursorScreenPos().x;
   ImGui::BeginChild("Sheet", {0, 0}, false, ImGuiWindowFlags_NoScrollbar);
@@ -302,7 +287,7 @@ void draw_timeline(const Snapshot& snapshot, Controls& controls, const PanelLayo
     ImGui::SameLine(0, 14);
   }
   ImGui::SetCursorPosY(14);
-  const Bar bar = draw_bars(snapshot, controls, layout.height - layout.sheet - 10);
+  const FrameBar bar = draw_bars(snapshot, controls, layout.height - layout.sheet - 10);
   if (layout.sheet > 0) draw_dope_sheet(controls, bar, layout.height - layout.sheet - 4);
   ImGui::End();
 }

@@ -14,6 +14,10 @@
 #include "viewport/platform/window.h"
 
 namespace bodyopt::viewport {
+
+using vulkan::check;
+using vulkan::structure;
+
 namespace {
 
 constexpr float kSize = 15, kLargeSize = 30, kBuiltInSize = 13;  // points
@@ -36,13 +40,6 @@ std::vector<ImWchar> letters_of(const std::string& text) {
   }
   return letters;
 }
-
-}  // namespace
-
-using vulkan::check;
-using vulkan::structure;
-
-namespace {
 
 ImVec4 grey(float value, float alpha = 1) { return {value, value, value * 1.03f, alpha}; }
 

@@ -37,19 +37,17 @@ struct Header {
 };
 static_assert(sizeof(Header) == 20);
 
-[[noreturn]] void reject(const std::string& problem) { throw Error(ErrorKind::mismatch, "a pose packet " + problem); }
+[[noreturn]] void reject(const auto&... problem) { throw Error(ErrorKind::mismatch, "a pose packet ", problem...); }
 
 void expect(const char* what, std::size_t found, std::size_t expected, const char* cause) {
   if (found == expected) return;
-  reject(std::string("has ") + what + " " + std::to_string(found) + ", expected " + std::to_string(expected) + ": " +
-         cause);
+  reject("has ", what, " ", found, ", expected ", expected, ": ", cause);
 }
 
 Header read_header(std::span<const std::byte> bytes, std::size_t joint_count, std::size_t control_count) {
   Header header;
   if (bytes.size() < sizeof(header)) {
-    reject("has " + std::to_string(bytes.size()) + " bytes, expected a header of " + std::to_string(sizeof(header)) +
-           ": cut off?");
+    reject("has ", bytes.size(), " bytes, expected a header of ", sizeof(header), ": cut off?");
   }
   std::memcpy(&header, bytes.data(), sizeof(header));
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) {
@@ -89,9 +87,8 @@ sockaddr_in loopback(std::uint16_t port) {
 
 [[noreturn]] void refuse_port(std::uint16_t port) {
   const int reason = errno;
-  throw Error(ErrorKind::usage, "cannot listen for live poses on 127.0.0.1:" + std::to_string(port) + ": " +
-                                    std::strerror(reason) + (reason == EADDRINUSE ? " (by another viewport?)" : "") +
-                                    "; give another port, or 0 for one that is free");
+  throw Error(ErrorKind::usage, "cannot listen for live poses on 127.0.0.1:", port, ": ", std::strerror(reason),
+              reason == EADDRINUSE ? " (by another viewport?)" : "", "; give another port, or 0 for one that is free");
 }
 
 // An open socket that does not block; -1 with errno where that fails.
@@ -129,15 +126,14 @@ PosePacket read_pose_packet(std::span<const std::byte> bytes, std::size_t joint_
   for (std::size_t k = 0; k < values.size(); ++k) {
     if (std::abs(values[k]) <= kLargest) continue;
     const bool of_joint = k < kJointNumbers * joint_count;
-    reject("has the number " + std::to_string(values[k]) + " for " +
-           (of_joint ? "joint " + std::to_string(k / kJointNumbers)
-                     : "control " + std::to_string(k - kJointNumbers * joint_count)) +
+    reject("has the number ", values[k], " for ", of_joint ? "joint " : "control ",
+           of_joint ? k / kJointNumbers : k - kJointNumbers * joint_count,
            ", expected numbers up to 1e6: wrong units, or damaged?");
   }
   PosePacket packet{header.number, header.frame, {}};
   for (std::size_t j = 0; j < joint_count; ++j) {
     JointTransform joint = joint_from(values.data() + kJointNumbers * j);
-    if (!is_rotation(joint.rotation)) reject("has no rotation (a quaternion of zeros) for joint " + std::to_string(j));
+    if (!is_rotation(joint.rotation)) reject("has no rotation (a quaternion of zeros) for joint ", j);
     joint.rotation = normalized(joint.rotation);
     packet.pose.joints.push_back(joint);
   }
@@ -157,10 +153,8 @@ LivePose::~LivePose() { close(socket_); }
 bool LivePose::expect(std::size_t joint_count, std::size_t control_count) {
   const std::size_t size = pose_packet_size(joint_count, control_count);
   if (size > kLargestPacket) {
-    throw Error(ErrorKind::usage, "a pose of " + std::to_string(joint_count) + " joints and " +
-                                      std::to_string(control_count) + " controls takes " + std::to_string(size) +
-                                      " bytes, and a packet holds " + std::to_string(kLargestPacket) +
-                                      ": such characters cannot be posed live");
+    throw Error(ErrorKind::usage, "a pose of ", joint_count, " joints and ", control_count, " controls takes ", size,
+                " bytes, and a packet holds ", kLargestPacket, ": such characters cannot be posed live");
   }
   const bool others = joint_count != joint_count_ || control_count != control_count_;
   joint_count_ = joint_count;

@@ -17,6 +17,10 @@
 #include "runtime/vulkan/make.h"
 
 namespace bodyopt::viewport {
+
+using vulkan::check;
+using vulkan::structure;
+
 namespace {
 
 struct Named {
@@ -58,14 +62,7 @@ std::string name_of_key(int key, const std::string& printed) {
   return name;
 }
 
-}  // namespace
-
-using vulkan::check;
-using vulkan::structure;
-
-namespace {
-
-// Must not ask the display for anything.
+// Warns on standard error where an X display refuses a request; must not ask the display for anything.
 int say(Display* display, XErrorEvent* error) {
   std::array<char, 256> text{};
   XGetErrorText(display, error->error_code, text.data(), static_cast<int>(text.size()));
@@ -73,11 +70,6 @@ int say(Display* display, XErrorEvent* error) {
             << "\n";
   return 0;  // ignored
 }
-
-// Warns on standard error where an X display refuses a request. By itself Xlib would end the program, as when the
-// window from which files are dragged goes away. GLFW takes the handler away whenever it opens a window: to be called
-// after that. Does nothing on other displays.
-void survive_display_errors() { XSetErrorHandler(say); }
 
 std::string glfw_problem() {
   const char* text = nullptr;
@@ -226,7 +218,9 @@ Window::Window(const WindowOptions& options) : vsync_(options.vsync) {
     throw Error(ErrorKind::device,
                 "no window can be opened here (" + problem + "); --headless -o FILE.png draws without one");
   }
-  survive_display_errors();
+  // By itself Xlib would end the program, as when the window from which files are dragged goes away. GLFW takes the
+  // handler away whenever it opens a window. Does nothing on other displays.
+  XSetErrorHandler(say);
   glfwSetWindowUserPointer(window_, this);
   listen();
 }

@@ -34,10 +34,9 @@ Character read_own_character(const std::string& path, const Basis& basis) {
   Character character = read_character(path, kept_unit(basis));
   if (character.output_count() != basis.mesh.output_count() ||
       skeleton_hash(character.skeleton) != skeleton_hash(basis.skeleton)) {
-    throw Error(ErrorKind::mismatch,
-                path + ": is not the character of the basis: it has " + std::to_string(character.output_count()) +
-                    " vertices and " + std::to_string(character.skeleton.size()) + " joints, the basis " +
-                    std::to_string(basis.mesh.output_count()) + " and " + std::to_string(basis.skeleton.size()));
+    throw Error(ErrorKind::mismatch, path, ": is not the character of the basis: it has ", character.output_count(),
+                " vertices and ", character.skeleton.size(), " joints, the basis ", basis.mesh.output_count(), " and ",
+                basis.skeleton.size());
   }
   return character;
 }
@@ -64,9 +63,8 @@ std::vector<WornMesh> WornMeshes::carry(std::span<const float> skins, std::span<
   for (std::size_t m = 0; m < attached.size(); ++m) {
     const AttachedMesh& mesh = attached[m];
     if (sizeof(float) * positions[m].size() > device_.info().max_storage_buffer_range) {
-      throw Error(ErrorKind::usage, "mesh '" + mesh.name + "' is too large to be shown " +
-                                        std::to_string(poses.size()) +
-                                        " times at once: fewer copies or ghosts, or 'worn off'");
+      throw Error(ErrorKind::usage, "mesh '", mesh.name, "' is too large to be shown ", poses.size(),
+                  " times at once: fewer copies or ghosts, or 'worn off'");
     }
     meshes.push_back({&triangles_[m], mesh.triangle_count(),
                       static_cast<std::uint32_t>(positions[m].size() / (3 * std::max<std::size_t>(1, poses.size()))),
@@ -184,18 +182,16 @@ std::vector<Level> Actor::proxy_of(const Basis& full) const {
   std::vector<Level> levels = load_levels(path);
   for (const Level& level : levels) {
     if (level.carried.empty()) {
-      throw Error(ErrorKind::mismatch, path + ": is a basis that carries no full skin, expected a proxy of " +
-                                           files_.basis + ": 'bodyopt proxy' makes them");
+      throw Error(ErrorKind::mismatch, path, ": is a basis that carries no full skin, expected a proxy of ",
+                  files_.basis, ": 'bodyopt proxy' makes them");
     }
     if (skeleton_hash(level.basis.skeleton) == skeleton_hash(full.skeleton) &&
         level.carried.size() == full.mesh.output_count()) {
       continue;
     }
-    throw Error(ErrorKind::mismatch, path + ": is no proxy of " + files_.basis + ": it carries " +
-                                         std::to_string(level.carried.size()) + " vertices of " +
-                                         std::to_string(level.basis.skeleton.size()) + " joints, the character has " +
-                                         std::to_string(full.mesh.output_count()) + " and " +
-                                         std::to_string(full.skeleton.size()) + " (was it made of another basis?)");
+    throw Error(ErrorKind::mismatch, path, ": is no proxy of ", files_.basis, ": it carries ", level.carried.size(),
+                " vertices of ", level.basis.skeleton.size(), " joints, the character has ", full.mesh.output_count(),
+                " and ", full.skeleton.size(), " (was it made of another basis?)");
   }
   return levels;
 }
@@ -326,9 +322,8 @@ std::shared_ptr<const trainer::UnposedSpace> Actor::unposed_space(const trainer:
 void Actor::open_truth(const std::string& name) {
   trainer::NamedShapes shapes(name, [this](const trainer::PoseDatabase& database) { return unposed_space(database); });
   if (shapes.point_count() != basis().mesh.output_count()) {
-    throw Error(ErrorKind::mismatch, name + ": the cache has " + std::to_string(shapes.point_count()) +
-                                         " points, the character " + std::to_string(basis().mesh.output_count()) +
-                                         " vertices: it is of another character, or another level of it");
+    throw Error(ErrorKind::mismatch, name, ": the cache has ", shapes.point_count(), " points, the character ",
+                basis().mesh.output_count(), " vertices: it is of another character, or another level of it");
   }
   if (shapes.sample_count() == 0) throw Error(ErrorKind::file, name + ": the cache has no sample");
   truth_.emplace(Truth{std::move(shapes), {}, {}, false});

@@ -22,6 +22,15 @@ draw::LinePoint line_point(const Vec3& at, std::uint32_t colour) {
   return {x, y, z, colour};
 }
 
+// Adds a cross along the world's axes.
+void add_cross(const Vec3& at, double reach, std::uint32_t colour, std::vector<draw::LinePoint>& lines) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vec3 along{};
+    along[axis] = reach;
+    for (const Vec3& end : {at - along, at + along}) lines.push_back(line_point(end, colour));
+  }
+}
+
 }  // namespace
 
 void Scene::add_lines(std::vector<draw::LinePoint> points, const std::array<float, 3>& offset, float width,
@@ -31,15 +40,8 @@ void Scene::add_lines(std::vector<draw::LinePoint> points, const std::array<floa
 }
 
 void Scene::add_marker(const Vec3& at, std::uint32_t colour, draw::View& view) {
-  const double reach = 0.012 * lead().size();
   std::vector<draw::LinePoint> cross;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (const double side : {-reach, reach}) {
-      Vec3 end = at;
-      end[axis] += side;
-      cross.push_back(line_point(end, colour));
-    }
-  }
+  add_cross(at, 0.012 * lead().size(), colour, cross);
   add_lines(std::move(cross), {}, 2, view);
 }
 
@@ -78,12 +80,7 @@ void Scene::add_skeleton(const Actor& character, const Pose& pose, const std::ar
       bones.push_back(line_point(centres[static_cast<std::size_t>(parent)], kBone));
       bones.push_back(line_point(centres[j], kBone));
     }
-    for (std::size_t i = 0; i < 3; ++i) {
-      Vec3 along{};
-      along[i] = selected ? 2 * cross : cross;
-      joints.push_back(line_point(centres[j] - along, selected ? kSelected : kJoint));
-      joints.push_back(line_point(centres[j] + along, selected ? kSelected : kJoint));
-    }
+    add_cross(centres[j], selected ? 2 * cross : cross, selected ? kSelected : kJoint, joints);
   }
   add_lines(std::move(bones), offset, 3, view);
   add_lines(std::move(joints), offset, 1.5f, view);
@@ -113,11 +110,7 @@ void Scene::add_trails(const Controls& controls, const std::array<float, 3>& off
       const draw::LinePoint point = line_point(at, frame <= shown ? kBefore : kAfter);
       if (!way.empty()) way.push_back(point);
       way.push_back(point);
-      for (std::size_t axis = 0; axis < 3 && controls.settings.pose.keys.contains(frame); ++axis) {
-        Vec3 reach{};
-        reach[axis] = 0.006 * lead().size();
-        for (const Vec3& end : {at - reach, at + reach}) keys.push_back(line_point(end, kSelected));
-      }
+      if (controls.settings.pose.keys.contains(frame)) add_cross(at, 0.006 * lead().size(), kSelected, keys);
     }
   }
   for (auto& [name, way] : ways) {

@@ -41,7 +41,6 @@ class OrbitCamera {
   void move(const Vec3& by) { view_.target = view_.target + by; }
   void view_axis(AxisView axis);  // as frame(): upright, and with the usual lens
   void toggle_orthographic() { view_.orthographic = !view_.orthographic; }
-  void toggle_cut_away() { view_.cut_away = !view_.cut_away; }
 
  private:
   void stand_upright();
