@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "runtime/basis/file_schema.h"
 #include "runtime/basis/read_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/file_kind.h"
@@ -44,6 +45,7 @@ std::string text_of(const Json& json, const std::filesystem::path& path) {
 }
 
 void write_json(const Json& json, const std::filesystem::path& path) {
+  refuse_other_kind(path, json.is_object() ? json.value("schema", "") : "");
   write_file_atomically(path, text_of(json, path));
 }
 

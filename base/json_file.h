@@ -17,6 +17,7 @@ namespace bodyopt {
 Json read_json(const std::filesystem::path& path, const std::string& schema);
 // Parses a file's text that is in memory already; messages call it `path`.
 Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema);
+// Throws Error(file); Error(usage) over a file of another kind (see refuse_other_kind()).
 void write_json(const Json& json, const std::filesystem::path& path);
 // The text that write_json() would write. Throws Error(file), too.
 std::string text_of(const Json& json, const std::filesystem::path& path);

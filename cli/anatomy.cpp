@@ -15,11 +15,13 @@
 namespace bodyopt::cli {
 namespace {
 
+constexpr const char* kAnatomySchema = "bodyopt-anatomy-1";
+
 struct AnatomyArguments {
   std::string character, muscles, picture;
   FieldArguments field;
   double cell_mm = 0, unit = 0;
-  JsonOption json;
+  JsonOption json{.path = {}, .schema = kAnatomySchema};
 };
 
 constexpr double kCubicCentimetres = 1e6;  // in a cubic metre
@@ -51,7 +53,7 @@ Json muscles_json(const trainer::AnatomyReport& report) {
 }
 
 Json anatomy_json(const trainer::AnatomyReport& report, const trainer::AnatomyField& field, double seconds) {
-  return {{"schema", "bodyopt-anatomy-1"},
+  return {{"schema", kAnatomySchema},
           {"kind", trainer::name_of(field.kind())},
           {"kind_because", field.why_kind()},
           {"parts", parts_json(report)},

@@ -181,21 +181,6 @@ std::string unit_text(const shots::CacheChoice& cache, const Basis& basis) {
                 Json(unit).dump());
 }
 
-// Compares files that are not there yet, too.
-bool is_same_file(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
-}
-
-void refuse_over(const char* option, const std::string& output, const std::vector<fs::path>& files) {
-  for (const fs::path& file : files) {
-    if (!is_same_file(output, file)) continue;
-    throw Error(ErrorKind::usage, option, " ", output, " would write over ", file.string(),
-                ", which is an input or another output: give it a name of its own");
-  }
-}
-
 // The rig must lie in the skin, and take the place of no other file: `others` are what the shot reads.
 void check_rig(const EvalArguments& arguments, std::vector<fs::path> others) {
   const std::string& rig = arguments.rig;

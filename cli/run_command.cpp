@@ -149,6 +149,7 @@ int run_command(const std::vector<std::string>& arguments) {
       "To see it work: bodyopt demo --quick --out demo, then bodyopt view demo/basis.safetensors demo/heldout.glb\n"
       "bodyopt VERB --help lists its options; docs/walkthrough.md leads from a character of your own to a trained one.");
   add_verbs(app);
+  app.parse_complete_callback([&] { refuse_report_over_others(app); });
 
   if (arguments.empty()) {
     std::fputs(app.help().c_str(), stderr);

@@ -94,6 +94,7 @@ void Session::write(const std::string& file, const std::string& saved_as) const 
 }
 
 void Session::save_state(const std::string& file) {
+  refuse_input(scene, file);
   controls.settings.playback = controls.playback.settings();
   controls.settings.camera = controls.kept_camera();
   shots::write_view_settings(controls.settings, file);

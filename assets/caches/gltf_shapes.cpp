@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -81,13 +80,8 @@ void add_weights(const CacheLayout& layout, std::size_t targets, std::size_t nod
 }
 
 // A character is a .glb, too: what stands there under the name of a result is written over only where it is a result.
-// The generator stands at the beginning of what GlbWriter writes.
 void refuse_other_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return;
-  std::string head(256, '\0');
-  file.read(head.data(), static_cast<std::streamsize>(head.size()));
-  if (head.find(kGenerator) != std::string::npos) return;
+  if (may_be_replaced(path, kGenerator)) return;
   throw Error(ErrorKind::usage, path,
               " is there already, and holds no shapes that bodyopt wrote: is it a character or a "
               "clip? Choose another name, or remove it");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <tuple>
 
@@ -11,6 +12,8 @@
 
 namespace bodyopt {
 namespace {
+
+constexpr const char* kGenerator = "bodyopt";
 
 static_assert(std::endian::native == std::endian::little, "glTF is little-endian, and values are copied as they are");
 
@@ -33,7 +36,7 @@ Json node_of(const Joint& joint) {
 }  // namespace
 
 GlbWriter::GlbWriter() {
-  root["asset"] = {{"version", "2.0"}, {"generator", "bodyopt"}};
+  root["asset"] = {{"version", "2.0"}, {"generator", kGenerator}};
   root["scene"] = 0;
   root["scenes"] = Json::array({{{"nodes", Json::array()}}});
   root["nodes"] = Json::array();
@@ -157,7 +160,22 @@ std::string GlbWriter::bytes(const std::filesystem::path& path) {
   return bytes;
 }
 
-void GlbWriter::write(const std::filesystem::path& path) { write_file_atomically(path, bytes(path)); }
+void GlbWriter::write(const std::filesystem::path& path) {
+  if (!may_be_replaced(path, kGenerator)) {
+    throw Error(
+        ErrorKind::usage, path,
+        " is there already, and bodyopt did not write it: is it a character? Choose another name, or remove it");
+  }
+  write_file_atomically(path, bytes(path));
+}
+
+bool may_be_replaced(const std::filesystem::path& path, const std::string& generator) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return true;
+  std::string head(256, '\0');
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  return file.gcount() == 0 || head.find("\"generator\":\"" + generator) != std::string::npos;
+}
 
 void add_channel(std::size_t times, std::size_t values, std::size_t node, const char* path, Json& animation) {
   animation["channels"].push_back(

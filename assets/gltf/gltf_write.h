@@ -46,7 +46,7 @@ class GlbWriter {
 
   // The file's bytes; messages call it `path`. Throws Error(file), also for numbers that are not finite.
   std::string bytes(const std::filesystem::path& path);
-  // Writes to a temporary name, then renames. Throws as above.
+  // Writes to a temporary name, then renames. Throws as above, and Error(usage) over what others wrote.
   void write(const std::filesystem::path& path);
 
  private:
@@ -57,6 +57,10 @@ class GlbWriter {
   std::vector<unsigned char> binary_;
   bool finite_ = true;
 };
+
+// Is there no file, or one whose generator begins so? It stands at the beginning of what GlbWriter writes. What others
+// wrote under the name of a result is perhaps a character.
+bool may_be_replaced(const std::filesystem::path& path, const std::string& generator);
 
 // Adds a channel of straight lines to an animation. `times`, `values`: accessors of its keys.
 void add_channel(std::size_t times, std::size_t values, std::size_t node, const char* path, Json& animation);

@@ -14,8 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "assets/clips/clip_source.h"
 #include "base/wording.h"
 #include "farm/plan.h"
+#include "runtime/basis/file_schema.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 
@@ -116,7 +118,9 @@ void JsonOption::add(CLI::App& verb) {
 }
 
 void JsonOption::require_writable() const {
-  if (!path.empty() && path != "-") cli::require_writable(path);
+  if (path.empty() || path == "-") return;
+  refuse_other_kind(path, schema);
+  cli::require_writable(path);
 }
 
 void JsonOption::print(const std::string& text) const {
@@ -132,7 +136,10 @@ void JsonOption::emit(const Json& result, const std::string& text) const {
     std::fputs(json.c_str(), stdout);
     return;
   }
-  if (!path.empty()) write_file_atomically(path, std::as_bytes(std::span(json)));
+  if (!path.empty()) {
+    refuse_other_kind(path, schema);
+    write_file_atomically(path, json);
+  }
   std::fputs(text.c_str(), stdout);
 }
 
@@ -182,6 +189,34 @@ void add_retargeting(CLI::App& verb, std::string& joint_map, std::string& up) {
              "Which joint of the clip moves which, where names do not tell (joint_map.json)");
   add_option(verb, "--up", up, "AXIS",
              "Axis of a BVH that is up: x, y, z, --up=-x, =-y, =-z (default: its motion tells)");
+}
+
+void refuse_over(const char* option, const std::string& output, const std::vector<std::filesystem::path>& files) {
+  std::error_code ignored;  // of names that can be of no file
+  const auto place = [&](const std::filesystem::path& file) {
+    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);
+  };
+  for (const std::filesystem::path& file : files) {
+    const bool is_same =
+        std::filesystem::equivalent(output, file, ignored) || (!place(file).empty() && place(output) == place(file));
+    if (!is_same) continue;
+    throw Error(ErrorKind::usage, option, " ", output, " would write over ", file.string(),
+                ", which is an input or another output: give it a name of its own");
+  }
+}
+
+void refuse_report_over_others(const CLI::App& verb) {
+  for (const CLI::App* subverb : verb.get_subcommands()) refuse_report_over_others(*subverb);
+  const CLI::Option* json = verb.get_option_no_throw("--json");
+  if (json == nullptr || json->empty() || json->results().front() == "-") return;
+  std::vector<std::filesystem::path> others;
+  for (const CLI::Option* option : verb.get_options()) {
+    if (option == json) continue;
+    for (const std::string& value : option->results()) {
+      if (!value.empty()) others.push_back(split_source(value).path);
+    }
+  }
+  refuse_over("--json", json->results().front(), others);
 }
 
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input) {

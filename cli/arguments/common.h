@@ -89,9 +89,9 @@ void say(const std::vector<std::string>& notes);
 
 // --json FILE; '-' is standard output, which then holds nothing else.
 struct JsonOption {
-  std::string path;
+  std::string path, schema{};  // of the result, where it has one
   void add(CLI::App& verb);
-  // Throws Error(file) now rather than after long work.
+  // Throws Error(file), or Error(usage) over a file of another kind, now rather than after long work.
   void require_writable() const;
   // Prints `text` for people, unless standard output is taken by the JSON.
   void print(const std::string& text) const;
@@ -131,6 +131,10 @@ void add_retargeting(CLI::App& verb, std::string& joint_map, std::string& up);
 // A dataset given by its folder or its dataset.json: that file.
 std::filesystem::path dataset_file(const std::filesystem::path& given);
 
+// Throws Error(usage) where the output of an option is one of these files, also where neither is there yet.
+void refuse_over(const char* option, const std::string& output, const std::vector<std::filesystem::path>& files);
+// Does so where --json of the verb that is run names what another of its arguments does.
+void refuse_report_over_others(const CLI::App& verb);
 // Throws Error(usage) when `out` is the file `input`.
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input);
 // Throws Error(file) now rather than after long work.

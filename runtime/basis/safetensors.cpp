@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "runtime/basis/file_schema.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
@@ -186,6 +187,8 @@ void write_safetensors(const Safetensors& file, const std::filesystem::path& pat
     throw Error(ErrorKind::file, path, ": cannot be written: its names and other strings take ", text.size(),
                 " bytes, expected ", kLargestHeader, " at most");
   }
+  const auto schema = file.metadata.find("schema");
+  refuse_other_kind(path, schema == file.metadata.end() ? "" : schema->second);
   const std::uint64_t length = text.size();
   AtomicFile out(path);
   out.write(std::as_bytes(std::span(&length, 1)));

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 #include "tests/cli/limb_files.h"
 #include "tests/support/background_program.h"
 #include "tests/support/hostile_bytes.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_program.h"
 #include "tests/support/run_verb.h"
 
@@ -51,6 +53,46 @@ TEST_F(FileFailures, AFailureOfReadingIsAnErrorOfTheFile) {
   expect(run_verb("muscles import " + files_.character + " --from " + at("a.xml") + " " + at("dataset.json") +
                   " --out " + at("muscles.json")),
          4, "cannot be read to its end");
+}
+
+// What a slip of the hand names as an output keeps its bytes: an input, another output, a file of another kind.
+TEST_F(FileFailures, ResultsTakeThePlaceOfNothingElse) {
+  const std::string basis = at("limb.safetensors"), cache = at("shot.pc2"), report = at("report.json"),
+                    limits = at("limits.json"), muscles = at("muscles.json");
+  std::ofstream(muscles) << R"({"schema": "bodyopt-muscles-1", "muscles": []})";
+  std::ofstream(limits) << R"({"schema": "bodyopt-joint-limits-1", "dofs": [{"name": "bend", "rest": 0, "min": 0,
+ "max": 90, "turns": [{"joint": "lower", "axis": [1, 0, 0]}]}]})";
+  ASSERT_EQ(run_verb("train --ddm-only " + files_.character + " --out " + basis).exit_code, 0);
+  ASSERT_EQ(run_verb("rom " + files_.character + " --limits " + limits + " --out " + at("rom.glb")).exit_code, 0);
+  const std::string eval = "eval " + basis + " --clip " + files_.motion + " --device cpu --out ";
+  ASSERT_EQ(run_verb(eval + cache + " --json " + report).exit_code, 0);
+  std::ofstream(at("foreign.glb")) << "glTF, of another program";
+  const std::pair<std::string, std::string> slips[] = {
+      {"check " + files_.character + " --json ", files_.character},
+      {"info " + basis + " --json ", basis},
+      {"devices --json ", muscles},
+      {"devices --json ", cache},
+      {"compare " + cache + " " + cache + " --json ", cache},
+      {eval + cache + " --json ", files_.motion},
+      {eval + at("./shot.pc2") + " --json ", cache},
+      {"check " + files_.character + " --limits " + limits + " --clip " + files_.motion + " --json ", limits},
+      {"rom " + files_.character + " --limits " + limits + " --out ", at("foreign.glb")},
+      {"train --ddm-only " + files_.character + " --out ", at("muscles.safetensors")},
+  };
+  fs::copy_file(muscles, at("muscles.safetensors"));
+  for (const auto& [command, file] : slips) {
+    const std::string bytes = read_bytes(file);
+    expect(run_verb(command + file), 64, fs::path(file).filename());
+    EXPECT_EQ(read_bytes(file), bytes) << command << file;
+  }
+  // Of two that are not there yet, too.
+  expect(run_verb(eval + at("new.pc2") + " --json " + at("new.pc2")), 64, "another output");
+  EXPECT_FALSE(fs::exists(at("new.pc2")));
+  // A report takes the place of a report, and of what is damaged.
+  EXPECT_EQ(run_verb(eval + cache + " --json " + report).exit_code, 0);
+  std::ofstream(report) << "{\"cut o";
+  EXPECT_EQ(run_verb("anatomy " + files_.character + " --json " + report).exit_code, 0);
+  EXPECT_EQ(run_verb("anatomy " + files_.character + " --json " + report).exit_code, 0);
 }
 
 // A limit on the size of files is as a full disk is.
