@@ -19,12 +19,20 @@ using Bytes = std::span<const unsigned char>;
 
 [[noreturn]] void refuse_image(const std::string& why) { throw Error(ErrorKind::file, why); }
 
-Image sized(std::uint32_t width, std::uint32_t height) {
+// An image of any size may be of one colour, and so take few bytes. Beyond 4096 x 4096 pixels it must have one for each
+// 4096 of them, which such images nearly have: otherwise a few bytes that are damaged would take much memory.
+Image sized(std::uint32_t width, std::uint32_t height, std::size_t bytes) {
+  constexpr std::size_t kOfFewBytes = 4096 * 4096, kPixelsOfByte = 4096;
   if (width == 0 || height == 0 || width > kMostImagePixels || height > kMostImagePixels) {
     refuse_image("has " + std::to_string(width) + " x " + std::to_string(height) + " pixels, expected 1 to " +
                  std::to_string(kMostImagePixels) + " a side");
   }
-  return {width, height, std::vector<std::uint8_t>(std::size_t{4} * width * height)};
+  const std::size_t pixels = std::size_t{width} * height;
+  if (pixels > std::max(kOfFewBytes, kPixelsOfByte * bytes)) {
+    refuse_image("claims " + std::to_string(width) + " x " + std::to_string(height) + " pixels in " +
+                 std::to_string(bytes) + " bytes: damaged?");
+  }
+  return {width, height, std::vector<std::uint8_t>(4 * pixels)};
 }
 
 Image decode_png(Bytes bytes) {
@@ -37,7 +45,7 @@ Image decode_png(Bytes bytes) {
   require(spng_set_png_buffer(decoder.get(), bytes.data(), bytes.size()));
   require(spng_set_chunk_limits(decoder.get(), bytes.size(), bytes.size()));
   require(spng_get_ihdr(decoder.get(), &header));
-  Image image = sized(header.width, header.height);
+  Image image = sized(header.width, header.height, bytes.size());
   require(spng_decode_image(decoder.get(), image.rgba.data(), image.rgba.size(), SPNG_FMT_RGBA8, SPNG_DECODE_TRNS));
   return image;
 }
@@ -56,7 +64,7 @@ Image decode_jpeg(Bytes bytes) {
       stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0) {
     refuse_image("is a damaged JPEG, or cut off");
   }
-  Image image = sized(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
+  Image image = sized(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), bytes.size());
   const std::unique_ptr<stbi_uc, decltype(&stbi_image_free)> pixels(
       stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free);
   if (!pixels) refuse_image(std::string("is a damaged JPEG: ") + stbi_failure_reason());
@@ -67,7 +75,7 @@ Image decode_jpeg(Bytes bytes) {
 Image decode_webp(Bytes bytes) {
   int width = 0, height = 0;
   if (WebPGetInfo(bytes.data(), bytes.size(), &width, &height) == 0) refuse_image("is a damaged WebP, or cut off");
-  Image image = sized(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height));
+  Image image = sized(static_cast<std::uint32_t>(width), static_cast<std::uint32_t>(height), bytes.size());
   if (WebPDecodeRGBAInto(bytes.data(), bytes.size(), image.rgba.data(), image.rgba.size(), 4 * width) == nullptr) {
     refuse_image("is a damaged WebP, or cut off");
   }

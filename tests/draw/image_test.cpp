@@ -15,6 +15,7 @@
 #include <random>
 
 #include "draw/colours.h"
+#include "draw/image_decode.h"
 #include "draw/renderer.h"
 #include "runtime/core/error.h"
 #include "tests/support/read_bytes.h"
@@ -45,6 +46,29 @@ TEST(Png, DecodesToTheSamePixels) {
   for (const auto& [width, height] : {std::pair{1u, 1u}, std::pair{37u, 5u}, std::pair{50u, 129u}}) {
     const Image image = noise(width, height);
     expect_decodes_to(encode_png(image), image);
+  }
+}
+
+// The head of a lossless WebP that claims so many pixels a side: 14 bits of each, less one.
+std::vector<std::byte> claiming(std::uint32_t side) {
+  std::string bytes("RIFF\x20\0\0\0WEBPVP8L\x14\0\0\0\x2f", 21);
+  const std::uint32_t sides = (side - 1) | (side - 1) << 14;
+  for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(sides >> shift & 255);
+  bytes.resize(40);
+  const auto* begin = reinterpret_cast<const std::byte*>(bytes.data());
+  return {begin, begin + bytes.size()};
+}
+
+// A few bytes never make a reader take hundreds of megabytes.
+TEST(DecodedImage, OfFewBytesHasBoundedPixels) {
+  for (const auto& [side, why] :
+       {std::pair{8192u, "8192 x 8192 pixels in 40 bytes"}, std::pair{4096u, "damaged WebP"}}) {
+    try {
+      decode_image(claiming(side));
+      FAIL() << side;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(why), std::string::npos) << error.what();
+    }
   }
 }
 

@@ -18,6 +18,7 @@ struct FuzzTarget {
   std::vector<std::string> (*seeds)();
   // May throw Error(file), Error(mismatch) and Error(usage), which is how readers refuse. Anything else is a finding.
   void (*read)(const std::string& bytes);
+  int most_mib = 64;  // allocated at once, for each KiB of the bytes begun
 };
 
 std::vector<FuzzTarget>& targets();

@@ -30,7 +30,8 @@ std::vector<std::string> image_seeds() {
 
 void read_image(const std::string& bytes) { decode_image(std::as_bytes(std::span(bytes))); }
 
-const bool added = add_target({"images", image_seeds, read_image});
+// 4096 x 4096 pixels may take few bytes, and decoders hold them more than once.
+const bool added = add_target({"images", image_seeds, read_image, 256});
 
 }  // namespace
 }  // namespace bodyopt::fuzz

@@ -151,7 +151,7 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t s
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using bodyopt::ErrorKind;
-  bodyopt::fuzz::begin_read(size);
+  bodyopt::fuzz::begin_read(static_cast<std::size_t>(bodyopt::fuzz::chosen->most_mib) * (1 + size / 1024));
   try {
     bodyopt::fuzz::chosen->read({reinterpret_cast<const char*>(data), size});
   } catch (const bodyopt::Error& error) {

@@ -10,8 +10,6 @@
 namespace bodyopt::fuzz {
 namespace {
 
-constexpr std::int64_t kMostOfKib = std::int64_t{64} << 20;
-
 std::atomic<std::int64_t> allocated{0}, most{0};
 
 void on_malloc(const volatile void*, std::size_t size) {
@@ -31,9 +29,9 @@ void on_free(const volatile void* pointer) {
 
 void watch_memory() { __sanitizer_install_malloc_and_free_hooks(on_malloc, on_free); }
 
-void begin_read(std::size_t file_bytes) {
+void begin_read(std::size_t most_mib) {
   allocated = 0;
-  most = kMostOfKib * static_cast<std::int64_t>(1 + file_bytes / 1024);
+  most = static_cast<std::int64_t>(most_mib << 20);
 }
 
 void end_read() { most = 0; }

@@ -7,8 +7,8 @@ namespace bodyopt::fuzz {
 
 // Must be called before any other thread begins.
 void watch_memory();
-// Ends the process where one read of a file of so many bytes had more allocated at once than 64 MiB for each KiB begun.
-void begin_read(std::size_t file_bytes);
+// Ends the process where a read has more than so much allocated at once.
+void begin_read(std::size_t most_mib);
 void end_read();
 
 }  // namespace bodyopt::fuzz
