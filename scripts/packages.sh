@@ -27,7 +27,7 @@ command -v npm >/dev/null || other_program_packages+=(nodejs npm)
 
 # install_packages PACKAGE...: installs those that are missing; says which when it may not.
 install_packages() {
-  local missing=()
+  local missing=() said
   for package in "$@"; do
     [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done
@@ -35,13 +35,23 @@ install_packages() {
   if [ "$(id -u)" -ne 0 ]; then
     echo "These Debian packages are missing, and only root can install them:" >&2
     echo "  ${missing[*]}" >&2
-    echo "Run this script as root once, or: sudo apt-get install ${missing[*]}" >&2
+    echo "Run this script as root once, or: sudo apt-get update && sudo apt-get install ${missing[*]}" >&2
     exit 1
   fi
   echo "Installing ${missing[*]}"
   export DEBIAN_FRONTEND=noninteractive
-  apt-get update -qq
-  apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  # Of apt's two locks DPkg::Lock::Timeout does not wait for that of the lists. Old lists may do.
+  for _ in {1..60}; do
+    said=$(LC_ALL=C apt-get update -qq 2>&1) || true
+    [[ $said = *"Could not get lock"* ]] || break
+    echo "Another program uses apt: waiting"
+    sleep 10
+  done
+  [ -z "$said" ] || echo "$said" >&2
+  if ! apt-get install -y -qq --no-install-recommends -o DPkg::Lock::Timeout=600 "${missing[@]}" >/dev/null; then
+    echo "Packages could not be installed; apt-get says above why. Is there a network, and room on the disk?" >&2
+    exit 1
+  fi
 }
 
 # step NAME COMMAND...: runs it; where it fails, says which step it was and how to go on, and ends with its exit code.
@@ -54,7 +64,7 @@ step() {
   set -e
   [ $code -eq 0 ] && return 0
   echo "$0: '$name' failed (exit code $code); what it printed last says why. Mend that and run the same command again:" >&2
-  echo "what is done already is kept, and it goes on from there." >&2
+  echo "what is installed, built or simulated already is kept." >&2
   exit $code
 }
 
@@ -64,6 +74,7 @@ build() {
   shift
   local targets=()
   [ $# -gt 0 ] && targets=(--target "$@")
+  [ "$(df --output=avail . | tail -n 1)" -gt 3000000 ] || echo "Less than 3 GB are free in $PWD: is that enough?" >&2
   cmake --preset "$preset"
   cmake --build --preset "$preset" "${targets[@]}"
 }
