@@ -171,6 +171,29 @@ TEST_F(PlanShow, ThreeFormsOfAListAreOne) {
   EXPECT_EQ(json.elements[1].options.at("gravity-change"), (std::vector<std::string>{"0", "-1.5", "0"}));
 }
 
+// As spreadsheets write them: a byte order mark is no part of a key, and other separators are told.
+TEST_F(PlanShow, ATableOfASpreadsheetIsReadOrToldWhyNot) {
+  const std::string rows = "shot,element,basis,clip,out\r\na,b,hero.safetensors,walk.glb,a.pc2\r\n";
+  const std::string line = R"({"shot": "a", "element": "b", "basis": "b", "clip": "c", "out": "a.pc2"})";
+  EXPECT_EQ(read("a.csv", "\xef\xbb\xbf" + rows).elements.size(), 1u);
+  EXPECT_EQ(read("a.jsonl", "\xef\xbb\xbf" + line).elements.size(), 1u);
+  expect_problems({});
+  for (const auto& [separator, name] : {std::pair(';', "semicolons"), {'\t', "tabs"}}) {
+    std::string other = rows;
+    std::ranges::replace(other, ',', separator);
+    try {
+      read("b.csv", other);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::file);
+      EXPECT_NE(
+          std::string(error.what()).find(concat("row 1: its columns are separated by ", name, ", expected commas")),
+          std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 TEST_F(PlanShow, SaysAllThatIsWrongAtOnce) {
   plan(R"({"shot": "1", "element": "x", "frames": "1-300"},
           {"shot": "2", "element": "x", "frames": "1:10"},
