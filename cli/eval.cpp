@@ -8,6 +8,7 @@
 #include "assets/caches/motion_write.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
+#include "base/written_over.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/shot_arguments.h"
 #include "cli/results/evaluation_log.h"
@@ -179,21 +180,6 @@ std::string unit_text(const shots::CacheChoice& cache, const Basis& basis) {
   if (holds_triangles(cache.out) || cache.space.unit != 1 || unit == 0 || unit == 1) return "";
   return format("the cache is in metres; --unit-out {} lays it on the mesh of the character's own file\n",
                 Json(unit).dump());
-}
-
-// Compares files that are not there yet, too.
-bool is_same_file(const fs::path& a, const fs::path& b) {
-  std::error_code ignored;
-  return fs::equivalent(a, b, ignored) ||
-         fs::weakly_canonical(fs::absolute(a)) == fs::weakly_canonical(fs::absolute(b));
-}
-
-void refuse_over(const char* option, const std::string& output, const std::vector<fs::path>& files) {
-  for (const fs::path& file : files) {
-    if (!is_same_file(output, file)) continue;
-    throw Error(ErrorKind::usage, option, " ", output, " would write over ", file.string(),
-                ", which is an input or another output: give it a name of its own");
-  }
 }
 
 // The rig must lie in the skin, and take the place of no other file: `others` are what the shot reads.

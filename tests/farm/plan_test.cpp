@@ -223,6 +223,25 @@ TEST_F(PlanShow, SaysAllThatIsWrongAtOnce) {
   EXPECT_EQ(problems_.size(), 11u) << ::testing::PrintToString(problems_);
 }
 
+// The basis is read before the clip that moves it, and so on.
+TEST_F(PlanShow, OneMistakeOfAnElementHidesNoOther) {
+  plan(R"({"shot": "1", "element": "x", "basis": "gone.safetensors", "clip": "walk.glb#wlak", "out": "x.obj"})");
+  expect_problems({"does not end in", "gone.safetensors", "has no clip 'wlak'"});
+  problems_.clear();
+  plan(R"({"shot": "1", "element": "x", "basis": "gone.safetensors", "clip": "walk.bvh", "frames": "1-4,2-5"})");
+  expect_problems({"overlap", "gone.safetensors", "walk.bvh"});
+}
+
+// As eval has it, but before anything runs.
+TEST_F(PlanShow, AnOutputTakesThePlaceOfNoInputAndNoOtherFile) {
+  write("body.glb", "glTF, a character");
+  plan(R"({"shot": "1", "element": "x", "out": "walk.glb"},
+          {"shot": "2", "element": "x", "out": "./skin.glb", "character": "skin.glb"},
+          {"shot": "3", "element": "x", "out": "body.glb"},
+          {"shot": "4", "element": "x", "out": "new.glb"})");
+  expect_problems({"walk.glb would write over", "skin.glb would write over", "holds no shapes that bodyopt wrote"});
+}
+
 // Parts of a .glb, of an .mdd or of a rig cannot be joined.
 TEST_F(PlanShow, WhatCannotBeJoinedIsNotCut) {
   for (const char* out :
