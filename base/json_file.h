@@ -18,6 +18,10 @@ Json read_json(const std::filesystem::path& path, const std::string& schema);
 // Parses a file's text that is in memory already; messages call it `path`.
 Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema);
 void write_json(const Json& json, const std::filesystem::path& path);
+// Throws Error(file) where a file of that name is there that is no object with this value of `key`: `what` would take
+// its place.
+void require_replaceable_json(const std::filesystem::path& path, const char* key, const std::string& value,
+                              const std::string& what);
 // The text that write_json() would write. Throws Error(file), too.
 std::string text_of(const Json& json, const std::filesystem::path& path);
 
