@@ -49,6 +49,18 @@ void write_json(const Json& json, const std::filesystem::path& path) {
   write_file_atomically(path, text_of(json, path));
 }
 
+void require_replaceable_json(const std::filesystem::path& path, const char* key, const std::string& value,
+                              const std::string& what) {
+  if (!std::filesystem::is_regular_file(path)) return;
+  try {
+    const Json there = parse_strict_json(read_file(path, kLargestFile, what), path.string());
+    if (there.is_object() && there.contains(key) && there[key] == value) return;
+  } catch (const Error&) {  // as little what would be written as any other file
+  }
+  throw Error(ErrorKind::file, path, ": is there already, and ", what, " would take its place: expected one, with \"",
+              key, "\": \"", value, "\"", looks_like(path), ": give another name, or remove it");
+}
+
 JsonObject::JsonObject(const Json& object, const std::filesystem::path& path, std::string place)
     : object_(object), path_(path), place_(std::move(place)) {
   if (!object_.is_object()) refuse("is not an object");

@@ -19,6 +19,10 @@ Json read_json(const std::filesystem::path& path, const std::string& schema);
 Json parse_json(std::string_view text, const std::filesystem::path& path, const std::string& schema);
 // Throws Error(file); Error(usage) over a file of another kind (see refuse_other_kind()).
 void write_json(const Json& json, const std::filesystem::path& path);
+// Throws Error(file) where a file of that name is there that is no object with this value of `key`: `what` would take
+// its place.
+void require_replaceable_json(const std::filesystem::path& path, const char* key, const std::string& value,
+                              const std::string& what);
 // The text that write_json() would write. Throws Error(file), too.
 std::string text_of(const Json& json, const std::filesystem::path& path);
 

@@ -7,6 +7,7 @@
 #include "assets/clips/clip_source.h"
 #include "assets/clips/controls.h"
 #include "base/json_file.h"
+#include "base/written_over.h"
 #include "cli/arguments/common.h"
 #include "dataset/dataset.h"
 #include "dataset/regions_file.h"
@@ -69,7 +70,11 @@ trainer::BuiltDynamics build(DynamicsArguments& arguments, const Basis& basis) {
 
 void run(DynamicsArguments arguments) {
   require_writable(arguments.out);
-  if (!arguments.jiggle_out.empty()) require_writable(arguments.jiggle_out);
+  if (!arguments.jiggle_out.empty()) {
+    refuse_over("--jiggle-out", arguments.jiggle_out, {dataset_file(arguments.dataset), arguments.jiggle});
+    trainer::require_replaceable_jiggle(arguments.jiggle_out);
+    require_writable(arguments.jiggle_out);
+  }
   arguments.json.require_writable();
   refuse_overwriting(arguments.out, arguments.basis);
   const Stopwatch watch;

@@ -8,6 +8,7 @@
 #include "assets/caches/motion_write.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
+#include "base/written_over.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/shot_arguments.h"
 #include "cli/results/evaluation_log.h"

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "base/written_over.h"
 #include "cli/arguments/common.h"
 #include "cli/arguments/shot_arguments.h"
 #include "cli/results/pages.h"
@@ -167,6 +168,8 @@ void require_no_problem(const std::string& problem, const std::string& file) {
 }
 
 void write_openjd(const FarmArguments& arguments, const farm::FarmPlan& plan) {
+  refuse_over("--openjd", arguments.openjd, {farm::plan_file(plan_folder(arguments))});
+  farm::require_replaceable_openjd(arguments.openjd);
   const Json job = farm::openjd_template(plan, plan_folder(arguments), own_program(), arguments.queue.needs);
   require_no_problem(plan.tasks.empty() ? "there are no steps" : "", arguments.openjd);
   write_json(job, arguments.openjd);
@@ -174,6 +177,7 @@ void write_openjd(const FarmArguments& arguments, const farm::FarmPlan& plan) {
 }
 
 void write_opencue(const FarmArguments& arguments, const farm::FarmPlan& plan) {
+  farm::require_replaceable_opencue(arguments.opencue);
   const passwd* const entry = getpwuid(geteuid());
   const std::string user = entry != nullptr ? entry->pw_name : "";
   const std::string job = farm::opencue_job(plan, plan_folder(arguments), own_program(), user, arguments.queue.needs);

@@ -12,6 +12,7 @@
 #include "runtime/core/error.h"
 #include "trainer/train/coverage/coverage.h"
 #include "trainer/train/judge/test_errors.h"
+#include "trainer/train/skinning/ddm.h"
 #include "trainer/train/skinning/provenance.h"
 
 namespace bodyopt::cli {
@@ -128,6 +129,7 @@ void simulate_chosen(const Dataset& dataset, const std::vector<ImprovedClip>& sh
     simulation.materials = in_folder(dataset.materials);
     simulation.anatomy = {dataset.body_fat, dataset.kind, in_folder(dataset.corrections)};
     simulation.out = dataset.folder.string();
+    simulation.instead = "improve another dataset";
     simulation.unit = dataset.unit;
     simulation.take = shots[s].take;
     simulation.take.clip.frames = format_frame_range(frames);
@@ -174,6 +176,18 @@ trainer::TrainOptions options_of(const Basis& basis, const std::string& path) {
   return options;
 }
 
+// What is simulated stays in the dataset: a basis of another character is refused before.
+void require_basis_of(const Dataset& dataset, const Basis& basis, const std::string& path) {
+  const fs::path file = dataset.folder / dataset.character;
+  const Character character = read_character(file, dataset.unit);
+  const Character ordered = trainer::in_order(character, trainer::morton_order(character.vertices));
+  try {
+    trainer::require_same_character(trainer::make_mesh_table(ordered), ordered.skeleton, basis);
+  } catch (const Error& error) {
+    throw Error(error.kind(), path, ", ", file, ": ", error.what());
+  }
+}
+
 void run(const ImproveArguments& arguments) {
   arguments.json.require_writable();
   require_writable(arguments.basis);
@@ -181,6 +195,7 @@ void run(const ImproveArguments& arguments) {
   Basis basis = load_basis(arguments.basis);
   const trainer::TrainOptions options = options_of(basis, arguments.basis);
   const Dataset dataset = read_dataset(path);
+  require_basis_of(dataset, basis, arguments.basis);
   std::vector<ImprovedClip> shots = read_shots(arguments, dataset, basis.skeleton);
 
   Json rounds = Json::array();

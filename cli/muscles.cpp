@@ -103,6 +103,12 @@ void draw(const Character& character, const std::vector<Muscle>& muscles, const 
 
 void import(const ImportArguments& arguments) {
   arguments.json.require_writable();
+  refuse_overwriting(arguments.out, arguments.character);
+  for (const auto& [model, mapping] : arguments.sources) {
+    for (const std::string& input : {model, mapping}) refuse_overwriting(arguments.out, input);
+  }
+  require_writable(arguments.out);
+  if (!arguments.picture.empty()) require_writable(arguments.picture);
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
   std::vector<Muscle> muscles;
@@ -159,8 +165,8 @@ void add_muscles(CLI::App& app) {
            "Also the muscles of a human's trunk and neck that models of legs and arms lack, laid by the "
            "landmarks of the character's own skeleton");
   add_option(subverb, "--out", arguments.out, "FILE.json", "The character's muscles")->required();
-  add_option(subverb, "--picture", arguments.picture, "Also draw them, from the front, from behind and from the left")
-      ->type_name("FILE.png");
+  add_option(subverb, "--picture", arguments.picture, "FILE.png",
+             "Also draw them, from the front, from behind and from the left");
   add_unit(subverb, arguments.unit);
   arguments.json.add(subverb);
 }

@@ -104,6 +104,7 @@ class RangeDataset {
     simulation.character = path_;
     simulation.muscles = arguments_.muscles;
     simulation.out = folder_.string();
+    simulation.instead = "name another --data";
     simulation.unit = character_.unit;
     simulation.take.clip.source = clip;
     if (clip != range_file()) simulation.take.clip.options = arguments_.clip;

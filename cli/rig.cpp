@@ -10,6 +10,7 @@
 #include "assets/characters/joints_with_skin.h"
 #include "base/json_file.h"
 #include "base/wording.h"
+#include "base/written_over.h"
 #include "cli/arguments/common.h"
 #include "dataset/regions_file.h"
 #include "runtime/core/atomic_file.h"
@@ -133,6 +134,7 @@ void write_new(const std::vector<RigFile>& files) {
 
 void run(const RigArguments& arguments) {
   arguments.json.require_writable();
+  require_writable_folder(arguments.out);
   const Character character = read_character(arguments.character, arguments.unit);
   say(character.notes);
   const Skeleton& skeleton = character.skeleton;

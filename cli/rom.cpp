@@ -87,10 +87,11 @@ std::string describe_wanted(const RomArguments& arguments, std::size_t count) {
 
 void run(const RomArguments& arguments) {
   arguments.json.require_writable();
-  const Character own = read_character(arguments.character, arguments.unit);
-  say(own.notes);
   refuse_overwriting(arguments.out, arguments.character);
   for (const std::string& clip : arguments.from) refuse_overwriting(arguments.out, split_source(clip).path);
+  require_writable(arguments.out);
+  const Character own = read_character(arguments.character, arguments.unit);
+  say(own.notes);
   const trainer::JointLimits own_limits = limits_for(arguments, own);
   const trainer::AttachedRig rig(own.skeleton, own_limits.detached);
   const Character character = rig.attached(own);

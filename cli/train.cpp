@@ -144,7 +144,14 @@ int surface_curves_for(const TrainArguments& arguments, const trainer::SampleSet
 // The dataset given, or one that is made for the character given.
 std::string dataset_of(const TrainArguments& arguments) {
   const bool character = is_called_scene(arguments.dataset);
+  const std::filesystem::path given = arguments.dataset;
+  if (!character && std::filesystem::is_directory(given) && !std::filesystem::exists(dataset_file(given))) {
+    throw Error(ErrorKind::file, given,
+                ": there is no dataset.json in it: expected a dataset's folder, or a character ",
+                "(.glb, .gltf, .fbx)");
+  }
   if (!character && arguments.range.any()) {
+    read_dataset(dataset_file(given));  // of what is none, it says so
     throw Error(
         ErrorKind::usage, arguments.dataset,
         " is a dataset: --data, --clip, --limits, --muscles, --minutes, --no-range, --fps, --joint-map and --up "

@@ -357,11 +357,9 @@ bool has_given_shapes(const Dataset& dataset, const DatasetTake& take) {
   return !given.empty();
 }
 
-TakeLock::TakeLock(std::filesystem::path cache)
+TakeLock::TakeLock(std::filesystem::path cache, const std::string& instead)
     : cache_(std::move(cache)),
-      lock_(
-          std::filesystem::path(cache_).replace_extension(".lock"),
-          "writing this take right now, and two would mix up its frames: wait for it to end, or write a take of another "
-          "name") {}
+      lock_(std::filesystem::path(cache_).replace_extension(".lock"),
+            "writing this take right now, and two would mix up its frames: wait for it to end, or " + instead) {}
 
 }  // namespace bodyopt

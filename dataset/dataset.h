@@ -113,10 +113,13 @@ void write_frame_status(const std::vector<FrameStatus>& status, const std::files
 // Holds a lock on a take while it lives.
 class [[nodiscard]] TakeLock {
  public:
+  static constexpr char kOtherName[] = "write a take of another name";
+
   // cache: that of the take's shapes. The lock has `.lock` in place of its ending. A draft and a full simulation of one
   // name share a side-car, and so exclude each other. Throws Error(file) when another run holds it. The constructor is
   // not explicit: a lock for one call is a path.
-  TakeLock(std::filesystem::path cache);
+  // `instead`: what the caller's user can do rather than wait.
+  TakeLock(std::filesystem::path cache, const std::string& instead = kOtherName);
 
   const std::filesystem::path& cache() const { return cache_; }
 

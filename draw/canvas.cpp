@@ -213,6 +213,8 @@ RenderPass make_panel_pass(const vulkan::Device& device) {
                           dependencies);
 }
 
+}  // namespace
+
 // The images that are drawn into.
 class CanvasImages {
  public:
@@ -248,8 +250,6 @@ class CanvasImages {
   ImageView bytes_;
   Framebuffer scene_, panels_;
 };
-
-}  // namespace
 
 struct Canvas::Impl {
   // Draws the scene with so many samples a pixel. Canvases of a device share them.

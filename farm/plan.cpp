@@ -1,7 +1,5 @@
 #include "farm/plan.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -13,10 +11,13 @@
 
 #include "assets/caches/cache_writer.h"
 #include "assets/caches/join_caches.h"
+#include "assets/clips/bvh.h"
 #include "assets/clips/clip.h"
+#include "assets/clips/clip_source.h"
 #include "base/frame_range.h"
 #include "base/json_file.h"
 #include "base/wording.h"
+#include "base/written_over.h"
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
@@ -189,8 +190,6 @@ FarmStep step_from(const JsonObject& object) {
   return step;
 }
 
-fs::path plan_file(const fs::path& folder) { return folder / "plan.json"; }
-
 // Measured on one core of the machine of docs/notes (The farm): of the skin per vertex, of the jiggle per tetrahedron.
 constexpr double kMillisecondsPerPoint = 7e-4, kMillisecondsPerTet = 4e-3;
 
@@ -221,7 +220,7 @@ class Once {
   std::map<Key, Entry> values_;
 };
 
-// Each part of a range begins after the end of the one before.
+// Each part of a range begins after the end of the one before. None is all frames.
 void require_rising(const std::string& range) {
   std::istringstream parts(range);
   std::optional<int> last;
@@ -251,6 +250,8 @@ shots::ShotFiles shot_files(const ShowElement& element) {
   files.basis = element.basis;
   files.level = std::strtoul(element.option("level", "0").c_str(), nullptr, 10);
   files.clip = {element.clip, element.frames, clip_options(element)};
+  files.character = element.option("character", "");
+  files.modifiers = element.option("modifiers", "");
   files.attached = element.option("attached", "");
   files.jiggle.jiggle = element.has("jiggle");
   files.jiggle.dynamics = element.option("dynamics", "");
@@ -278,24 +279,75 @@ std::string about(const ShowElement& element, const std::string& what) {
   return element.place + " (" + element.shot + ", " + element.element + "): " + what;
 }
 
+// What eval reads; of files that cannot be read, which is said where they are, their names alone.
+std::vector<fs::path> inputs_of(const shots::ShotFiles& files) {
+  try {
+    return files.paths();
+  } catch (const Error&) {
+    return {files.basis, split_source(files.clip.source).path, files.character};
+  }
+}
+
+// Reads what a clip tells without the character that it moves.
+void require_clip(const shots::ClipChoice& clip) {
+  if (clip.source.empty()) return;
+  const fs::path path = split_source(clip.source).path;
+  if (lower_case_extension(path) == ".bvh") {
+    read_bvh(path);
+  } else {
+    clip_keys(clip.source, clip.options);
+  }
+}
+
 class ShowChecker {
  public:
-  CheckedElement check(const ShowElement& element) {
-    const shots::ShotFiles files = shot_files(element);
-    const shots::OpenedCharacter& opened =
-        characters_.get(character_key(files), [&] { return shots::open_level(files); });
-    const Basis& basis = opened.levels.front().basis;
-    const shots::ClipSpan& clip =
-        clips_.get(clip_key(files), [&] { return shots::read_own_clip(files.clip, basis, opened.clip); });
-    if (!element.frames.empty()) require_rising(element.frames);
-    CheckedElement checked{&element, shots::shot_frames(files, clip), 0, {}};
-    checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(basis.mesh.output_count());
-    if (files.jiggle.jiggle) checked.frame_ms += kMillisecondsPerTet * tets(files, basis);
-    if (element.frame_ms > 0) checked.frame_ms = element.frame_ms;
-    checked.attached = attached_.get({character_key(files), files.attached}, [&] {
-      return names_of(shots::read_attachments(files, basis, opened.attached).meshes);
+  explicit ShowChecker(std::vector<std::string>& problems) : problems_(problems) {}
+
+  // Nothing where something is wrong with it. One fault does not hide another that does not follow from it.
+  std::optional<CheckedElement> check(const ShowElement& element) {
+    const std::size_t before = problems_.size();
+    const auto try_to = [&](const auto& body) {
+      try {
+        body();
+        return true;
+      } catch (const Error& error) {
+        problems_.push_back(about(element, error.what()));
+        return false;
+      }
+    };
+    CheckedElement checked{&element, {}, 0, {}};
+    shots::ShotFiles files;
+    const shots::OpenedCharacter* opened = nullptr;
+    const bool is_placed = try_to([&] { check_output(element); });
+    const bool are_rising = try_to([&] { require_rising(element.frames); });
+    if (!try_to([&] { files = shot_files(element); })) return std::nullopt;
+    try_to([&] {
+      refuse_over("out", element.out, inputs_of(files));
+      require_replaceable_cache(element.out);
     });
-    check_output(element, checked.attached);
+    if (!try_to([&] { opened = &characters_.get(character_key(files), [&] { return shots::open_level(files); }); })) {
+      try_to([&] { require_clip(files.clip); });
+      return std::nullopt;
+    }
+    const Basis& basis = opened->levels.front().basis;
+    try_to([&] {
+      const shots::ClipSpan& clip =
+          clips_.get(clip_key(files), [&] { return shots::read_own_clip(files.clip, basis, opened->clip); });
+      if (are_rising) checked.frames = shots::shot_frames(files, clip);
+    });
+    checked.frame_ms = kMillisecondsPerPoint * static_cast<double>(basis.mesh.output_count());
+    try_to([&] {
+      if (files.jiggle.jiggle) checked.frame_ms += kMillisecondsPerTet * tets(files, basis);
+    });
+    if (element.frame_ms > 0) checked.frame_ms = element.frame_ms;
+    try_to([&] {
+      checked.attached = attached_.get({character_key(files), files.attached}, [&] {
+        return names_of(shots::read_attachments(files, basis, opened->attached).meshes);
+      });
+      if (!is_placed) return;  // where the skin cannot be, they cannot either
+      for (const std::string& mesh : checked.attached) check_attached(element, mesh);
+    });
+    if (problems_.size() > before) return std::nullopt;
     checked.note = shots::missing_jiggle(files);
     return checked;
   }
@@ -308,7 +360,7 @@ class ShowChecker {
                      [&] { return static_cast<double>(load_dynamics(file, basis).tets.tet_count()); });
   }
 
-  void check_output(const ShowElement& element, const std::vector<std::string>& attached) {
+  void check_output(const ShowElement& element) {
     const fs::path out = element.out;
     if (const std::string wanted = missing_ending(element.out, kCacheEndings); !wanted.empty()) {
       throw Error(ErrorKind::usage, "out '", element.out, "' does not end in ", wanted);
@@ -326,27 +378,28 @@ class ShowChecker {
           ErrorKind::usage, "out '", element.out,
           "' holds '#' or an unknown {field}: known are {shot} and {element}; parts of a shot are named by the plan");
     }
-    folders_.get(out.parent_path(), [&] { return require_writable_folder(out.parent_path()); });
-    std::vector<std::string> files{element.out};
-    for (const std::string& mesh : attached) {
-      files.push_back(fs::path(out).replace_extension("." + mesh + out.extension().string()).string());
-    }
-    for (const std::string& file : files) {
-      const auto [known, is_new] = writers_.emplace(file, &element);
-      if (!is_new) {
-        throw Error(ErrorKind::usage, "writes ", file, ", as does ", known->second->place,
-                    ": give them names of their own, with {shot} and {element}");
-      }
-    }
+    folders_.get(out.parent_path(), [&] {
+      require_writable_folder(out.parent_path());
+      return true;
+    });
+    claim(element.out, element);
   }
 
-  // The folder, or the one in which it would be made.
-  static bool require_writable_folder(fs::path folder) {
-    while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
-    if (fs::is_directory(folder) && access(folder.c_str(), W_OK) == 0) return true;
-    throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here");
+  void check_attached(const ShowElement& element, const std::string& mesh) {
+    const fs::path out = element.out;
+    const std::string file = fs::path(out).replace_extension("." + mesh + out.extension().string()).string();
+    claim(file, element);
+    require_replaceable_cache(file);
   }
 
+  void claim(const std::string& file, const ShowElement& element) {
+    const auto [known, is_new] = writers_.emplace(file, &element);
+    if (is_new) return;
+    throw Error(ErrorKind::usage, "writes ", file, ", as does ", known->second->place,
+                ": give them names of their own, with {shot} and {element}");
+  }
+
+  std::vector<std::string>& problems_;
   Once<CharacterKey, shots::OpenedCharacter> characters_;
   Once<ClipKey, shots::ClipSpan> clips_;
   Once<std::pair<CharacterKey, std::string>, double> tets_;
@@ -375,6 +428,8 @@ FarmPlan plan_show(const ShowList& list, double minutes_per_task, std::vector<st
   plan.notes = std::move(notes);
   return plan;
 }
+
+fs::path plan_file(const fs::path& folder) { return folder / "plan.json"; }
 
 void write_plan(const FarmPlan& plan, const fs::path& folder) {
   Json tasks = Json::array();
@@ -422,14 +477,10 @@ std::string quoted_for_shell(const std::string& text) {
 }
 
 std::vector<CheckedElement> check_show(const ShowList& list, std::vector<std::string>& problems) {
-  ShowChecker checker;
+  ShowChecker checker(problems);
   std::vector<CheckedElement> checked;
   for (const ShowElement& element : list.elements) {
-    try {
-      checked.push_back(checker.check(element));
-    } catch (const Error& error) {
-      problems.push_back(about(element, error.what()));
-    }
+    if (std::optional<CheckedElement> sound = checker.check(element)) checked.push_back(std::move(*sound));
   }
   return checked;
 }

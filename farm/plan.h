@@ -43,6 +43,8 @@ struct FarmPlan {
 // Checks all elements, and says all that is wrong: a sentence each in `problems`. Reads every basis and clip once.
 FarmPlan plan_show(const ShowList& list, double minutes_per_task, std::vector<std::string>& problems);
 
+// The plan in its folder.
+std::filesystem::path plan_file(const std::filesystem::path& folder);
 // Throw Error(file).
 void write_plan(const FarmPlan& plan, const std::filesystem::path& folder);
 FarmPlan read_plan(const std::filesystem::path& folder);

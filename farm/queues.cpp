@@ -21,6 +21,7 @@
 #include "base/json_file.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_kind.h"
 #include "runtime/core/stopwatch.h"
 #include "runtime/core/transformed.h"
 
@@ -36,6 +37,8 @@ namespace fs = std::filesystem;
 constexpr char kJobsSchema[] = "bodyopt-jobs-1";
 constexpr int kMostJobsOfAnArray = 1000;  // Slurm's MaxArraySize is 1001 unless it is set otherwise
 constexpr double kPatience = 60;          // seconds for an answer of Slurm
+
+constexpr char kTemplateVersion[] = "jobtemplate-2023-09";
 
 fs::path jobs_file(const fs::path& folder) { return folder / "jobs.json"; }
 
@@ -328,7 +331,7 @@ Json openjd_template(const FarmPlan& plan, const std::filesystem::path& folder, 
                      const TaskNeeds& needs) {
   Json steps = Json::array();
   for (const auto& [wave, lanes] : lanes_by_wave(plan)) steps.push_back(step_of(wave, lanes, needs));
-  return {{"specificationVersion", "jobtemplate-2023-09"},
+  return {{"specificationVersion", kTemplateVersion},
           {"name", "bodyopt " + printable(plan.show, 100)},
           {"parameterDefinitions",
            {{{"name", "Plan"},
@@ -392,6 +395,19 @@ std::string opencue_problem(const FarmPlan& plan, const std::filesystem::path& f
   }
   if (layers > kMostLayers) return kLayerRule;
   return plan.tasks.size() > kMostFrames ? "there are more than 100,000 frames" : "";
+}
+
+void require_replaceable_openjd(const fs::path& file) {
+  require_replaceable_json(file, "specificationVersion", kTemplateVersion, "a job template");
+}
+
+void require_replaceable_opencue(const fs::path& file) {
+  if (!fs::is_regular_file(file)) return;
+  pugi::xml_document document;
+  if (document.load_file(file.c_str()) && document.child("spec").child("job")) return;
+  throw Error(ErrorKind::file, file,
+              ": is there already, and a job of OpenCue would take its place: expected one, with ", "<spec> and <job>",
+              looks_like(file), ": give another name, or remove it");
 }
 
 }  // namespace bodyopt::farm

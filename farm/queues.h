@@ -57,6 +57,9 @@ std::size_t cancel_in_slurm(const std::filesystem::path& folder);
 Json openjd_template(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
                      const TaskNeeds& needs);
 
+// Throws Error(file) where a file of that name is there that is no job template.
+void require_replaceable_openjd(const std::filesystem::path& file);
+
 // A plan as a job of OpenCue: the job specification (cjsl 1.13) that its cuebot takes, with commands for RQD's shell.
 
 // The specification as XML: a layer per wave, a frame of it per task. A task whose jiggle goes on from that of another
@@ -70,5 +73,8 @@ std::string opencue_job(const FarmPlan& plan, const std::filesystem::path& folde
 // 100,000 frames. A command holds no other '#' than that of #IFRAME#, and no control characters.
 std::string opencue_problem(const FarmPlan& plan, const std::filesystem::path& folder, const std::string& program,
                             const std::string& user);
+
+// Throws Error(file) where a file of that name is there that is no job of OpenCue.
+void require_replaceable_opencue(const std::filesystem::path& file);
 
 }  // namespace bodyopt::farm

@@ -9,6 +9,7 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/json.h"
+#include "runtime/core/text.h"
 
 namespace bodyopt::farm {
 namespace {
@@ -258,8 +259,19 @@ void read_lines(const std::string& text, const fs::path& path, ListReader& reade
   }
 }
 
+// Where commas are decimal, programs write other separators into a .csv. No key has these in its name.
+void require_commas(const std::vector<std::string>& keys, const fs::path& path) {
+  for (const auto& [separator, name] : {std::pair(';', "semicolons"), {'\t', "tabs"}}) {
+    const auto has_it = [mark = separator](const std::string& key) { return key.find(mark) != std::string::npos; };
+    if (std::ranges::none_of(keys, has_it)) continue;
+    throw Error(ErrorKind::file, path, ": row 1: its columns are separated by ", name, ", expected commas: ",
+                "was it written where a comma stands before decimals? Write it with commas, or a .json");
+  }
+}
+
 void read_csv(const std::string& text, const fs::path& path, ListReader& reader) {
   const auto rows = parse_csv(text, path.string());
+  require_commas(rows[0], path);
   for (std::size_t k = 1; k < rows.size(); ++k) reader.add_row(rows[0], rows[k], "row " + std::to_string(k + 1));
 }
 
@@ -271,7 +283,7 @@ std::string ShowElement::option(const char* name, const std::string& otherwise) 
 }
 
 ShowList read_show_list(const fs::path& path, std::vector<std::string>& problems) {
-  const std::string text = read_file(path, kLargestList, "a list of shots");
+  const std::string text(without_mark(read_file(path, kLargestList, "a list of shots")));
   ListReader reader(path, problems);
   reader.list.show = path.stem().string();
   if (path.extension() == ".jsonl") {

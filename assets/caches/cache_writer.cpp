@@ -65,6 +65,10 @@ std::unique_ptr<CacheWriter> write_cache(const fs::path& path, CacheLayout layou
   return std::make_unique<Pc2Cache>(path, layout);
 }
 
+void require_replaceable_cache(const fs::path& path) {
+  if (path.extension() == ".glb") require_replaceable_shapes(path);
+}
+
 bool holds_triangles(const fs::path& path) { return path.extension() == ".usda" || path.extension() == ".glb"; }
 
 bool holds_normals(const fs::path& path) { return path.extension() == ".usda"; }

@@ -61,6 +61,9 @@ inline constexpr char kCacheEndings[] = ".pc2|.mdd|.usda|.glb";
 // PC2, see pc2.h. Throws Error(file), Error(usage).
 std::unique_ptr<CacheWriter> write_cache(const std::filesystem::path& path, CacheLayout layout);
 
+// Throws Error(usage) where a file of that name is there that write_cache() does not replace.
+void require_replaceable_cache(const std::filesystem::path& path);
+
 // Whether caches of that name hold the triangles of the skin, in metres, Y up; and the normals that they are given.
 bool holds_triangles(const std::filesystem::path& path);
 bool holds_normals(const std::filesystem::path& path);

@@ -79,22 +79,21 @@ void add_weights(const CacheLayout& layout, std::size_t targets, std::size_t nod
   add_channel(input, output, node, "weights", animation);
 }
 
-// A character is a .glb, too: what stands there under the name of a result is written over only where it is a result.
-void refuse_other_file(const fs::path& path) {
+}  // namespace
+
+void require_replaceable_shapes(const fs::path& path) {
   if (may_be_replaced(path, kGenerator)) return;
   throw Error(ErrorKind::usage, path,
               " is there already, and holds no shapes that bodyopt wrote: is it a character or a "
               "clip? Choose another name, or remove it");
 }
 
-}  // namespace
-
 GltfShapesWriter::GltfShapesWriter(const fs::path& path, CacheLayout layout)
     : path_(path),
       layout_(std::move(layout)),
       corners_(layout_.corners.begin(), layout_.corners.end()),
       split_(split_corners(std::move(layout_.surface), corners_, layout_.points)) {
-  refuse_other_file(path_);
+  require_replaceable_shapes(path_);
   const std::uint64_t frames = layout_.frames.size();
   const std::uint64_t points = split_.places.size();
   if (!std::ranges::is_sorted(layout_.frames)) {

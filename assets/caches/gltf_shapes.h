@@ -12,12 +12,16 @@
 
 namespace bodyopt {
 
+// A character is a .glb, too: what stands there under the name of a result is written over only where it is a result.
+// Throws Error(usage).
+void require_replaceable_shapes(const std::filesystem::path& path);
+
 // Holds all frames in memory until close(). Normals are of the shapes, smooth over vertices that lie on one another in
 // the first: seams.
 class GltfShapesWriter final : public CacheWriter {
  public:
-  // Throws Error(usage) where a .glb, which holds 4 GiB at most, has no room for so many frames. It does so, too, where
-  // a .glb that does not hold shapes of a clip has that name.
+  // Throws Error(usage) where a .glb, which holds 4 GiB at most, has no room for so many frames. Throws as
+  // require_replaceable_shapes(), too.
   GltfShapesWriter(const std::filesystem::path& path, CacheLayout layout);
 
   void append(std::span<const float> positions, std::span<const float> normals) override;

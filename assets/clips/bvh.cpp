@@ -32,7 +32,7 @@ std::string plain_text(std::string text, const std::filesystem::path& path) {
     if (failed) throw Error(ErrorKind::file, path, ": expected text, found damaged UTF-16 or no text at all");
     text = converted.substr(0, converted.size() - room);
   }
-  if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+  text.erase(0, text.size() - without_mark(text).size());
   const std::string_view fill("\0\x1a", 2), blank(" \t\r\n\0\x1a", 6);
   text.resize(std::min(text.find_first_of(fill, text.find_last_not_of(blank) + 1), text.size()));  // npos + 1 is 0
   return text;

@@ -69,7 +69,8 @@ Chunks split_glb(const std::filesystem::path& path, std::string_view bytes) {
 
 // Is a brace the first that is neither white space nor the mark of UTF-8?
 bool starts_an_object(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n", text.starts_with("\xef\xbb\xbf") ? 3 : 0);
+  text = without_mark(text);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
   return first != std::string_view::npos && text[first] == '{';
 }
 

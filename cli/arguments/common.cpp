@@ -16,6 +16,7 @@
 
 #include "assets/clips/clip_source.h"
 #include "base/wording.h"
+#include "base/written_over.h"
 #include "farm/plan.h"
 #include "runtime/basis/file_schema.h"
 #include "runtime/core/atomic_file.h"
@@ -189,20 +190,6 @@ void add_retargeting(CLI::App& verb, std::string& joint_map, std::string& up) {
              "Which joint of the clip moves which, where names do not tell (joint_map.json)");
   add_option(verb, "--up", up, "AXIS",
              "Axis of a BVH that is up: x, y, z, --up=-x, =-y, =-z (default: its motion tells)");
-}
-
-void refuse_over(const char* option, const std::string& output, const std::vector<std::filesystem::path>& files) {
-  std::error_code ignored;  // of names that can be of no file
-  const auto place = [&](const std::filesystem::path& file) {
-    return std::filesystem::weakly_canonical(std::filesystem::absolute(file, ignored), ignored);
-  };
-  for (const std::filesystem::path& file : files) {
-    const bool is_same =
-        std::filesystem::equivalent(output, file, ignored) || (!place(file).empty() && place(output) == place(file));
-    if (!is_same) continue;
-    throw Error(ErrorKind::usage, option, " ", output, " would write over ", file.string(),
-                ", which is an input or another output: give it a name of its own");
-  }
 }
 
 void refuse_report_over_others(const CLI::App& verb) {

@@ -131,9 +131,7 @@ void add_retargeting(CLI::App& verb, std::string& joint_map, std::string& up);
 // A dataset given by its folder or its dataset.json: that file.
 std::filesystem::path dataset_file(const std::filesystem::path& given);
 
-// Throws Error(usage) where the output of an option is one of these files, also where neither is there yet.
-void refuse_over(const char* option, const std::string& output, const std::vector<std::filesystem::path>& files);
-// Does so where --json of the verb that is run names what another of its arguments does.
+// Throws Error(usage) where --json of the verb that is run names what another of its arguments does.
 void refuse_report_over_others(const CLI::App& verb);
 // Throws Error(usage) when `out` is the file `input`.
 void refuse_overwriting(const std::filesystem::path& out, const std::filesystem::path& input);

@@ -181,7 +181,8 @@ std::vector<FrameStatus> simulate_take(const SimulationArguments& arguments, std
 
   make_folder(folder);
   DatasetTake take = new_take(arguments, frames, folder);
-  const TakeLock lock(folder / take.shapes);  // until dataset.json names the frames that the shapes are of
+  // Until dataset.json names the frames that the shapes are of.
+  const TakeLock lock(folder / take.shapes, arguments.instead);
   const Dataset asked = asked_dataset(arguments, unit, folder);
   const Dataset dataset = open_dataset(asked, dataset_path);
   for (const DatasetTake& there : dataset.takes) {

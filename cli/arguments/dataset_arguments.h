@@ -47,6 +47,8 @@ struct FieldArguments {
 struct SimulationArguments {
   std::string character, muscles, materials;
   std::string out;  // the dataset's folder
+  // The way out where another run writes the take: what the verb can do, in words.
+  std::string instead = TakeLock::kOtherName;
   double unit = 0;
   FieldArguments anatomy;
   TakeArguments take;

@@ -46,4 +46,10 @@ std::optional<Number> number_in(std::string_view text) {
   return lower;
 }
 
+// Without the byte order mark that some programs, Excel among them, put before UTF-8.
+[[nodiscard]] inline std::string_view without_mark(std::string_view text) {
+  constexpr std::string_view kMark = "\xef\xbb\xbf";
+  return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
+}
+
 }  // namespace bodyopt

@@ -98,5 +98,28 @@ TEST(DynamicsVerb, MistakesEndWithTheCauseAndWriteNothing) {
             64);
 }
 
+TEST(DynamicsVerb, SettingsTakeThePlaceOfNoInputAndNoOtherFile) {
+  const LimbBasis limb;
+  const std::string jiggle = (limb.folder / "jiggle.json").string(), other = (limb.folder / "other.json").string();
+  const auto expect_kept = [&](int code, const ProgramResult& result, const std::string& file, const std::string& was) {
+    EXPECT_EQ(result.exit_code, code) << result.output;
+    EXPECT_NE(result.output.find(file), std::string::npos) << result.output;
+    EXPECT_EQ(testing::read_bytes(file), was);
+    EXPECT_FALSE(std::filesystem::exists(limb.out));
+  };
+  const std::string settings = R"({"schema": "bodyopt-jiggle-1"})", muscles = R"({"schema": "bodyopt-muscles-1"})";
+  testing::write_bytes(jiggle, settings);
+  testing::write_bytes(other, muscles);
+  expect_kept(64, limb.dynamics(" --jiggle " + jiggle + " --jiggle-out " + jiggle), jiggle, settings);
+  expect_kept(4, limb.dynamics(" --jiggle-out " + other), other, muscles);
+  const std::string dataset = (limb.folder / "dataset.json").string();
+  testing::write_bytes(dataset, "{}");
+  expect_kept(64,
+              run_verb("dynamics " + limb.folder.path().string() + " --basis " + limb.basis + " --out " + limb.out +
+                       " --jiggle-out " + dataset),
+              dataset, "{}");
+  EXPECT_EQ(limb.dynamics(" --dynamics-resolution 600 --jiggle-out " + jiggle).exit_code, 0);  // it is of their kind
+}
+
 }  // namespace
 }  // namespace bodyopt

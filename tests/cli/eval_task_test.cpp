@@ -219,6 +219,26 @@ TEST_F(EvalTask, APlannedShowIsDoneWholeAndOnlyOnce) {
   EXPECT_EQ(again.at("elements"), (Json{{"done", 1}, {"missing", 1}}));
 }
 
+TEST_F(EvalTask, AJobTakesThePlaceOfNoOtherFile) {
+  std::ofstream(path("shots.json")) << R"({"schema": "bodyopt-shots-1", "elements": [{"shot": "a", "element": "b",
+    "basis": "hero.safetensors", "clip": "walk.glb", "out": "a.pc2"}]})";
+  ASSERT_EQ(run_verb("farm plan " + path("shots.json") + " --out " + path("plan")).exit_code, 0);
+  std::ofstream(path("arm.xml")) << "<mujoco/>";
+  const auto expect_refused = [&](int exit_code, const std::string& option, const std::string& file) {
+    const std::string before = testing::read_bytes(path(file));
+    const ProgramResult refused = run_verb("farm submit " + path("plan") + " " + option + " " + path(file));
+    EXPECT_EQ(refused.exit_code, exit_code) << refused.output;
+    EXPECT_NE(refused.output.find(path(file)), std::string::npos) << refused.output;
+    EXPECT_EQ(testing::read_bytes(path(file)), before);
+  };
+  expect_refused(64, "--openjd", "plan/plan.json");
+  expect_refused(4, "--openjd", "shots.json");
+  expect_refused(4, "--opencue", "arm.xml");
+  for (int k = 0; k < 2; ++k) {
+    EXPECT_EQ(run_verb("farm submit " + path("plan") + " --openjd " + path("job.json")).exit_code, 0);
+  }
+}
+
 // The page of a show, and its frames as `simulate` takes them; names in it are text.
 TEST_F(EvalTask, AReportIsOnePageWithPicturesOfTheCaches) {
   std::ofstream(path("shots.json")) << R"({"schema": "bodyopt-shots-1", "defaults": {"basis": "hero.safetensors",

@@ -6,6 +6,7 @@
 
 #include "runtime/core/json.h"
 #include "tests/cli/limb_files.h"
+#include "tests/support/read_bytes.h"
 #include "tests/support/run_verb.h"
 
 namespace bodyopt {
@@ -55,6 +56,25 @@ TEST_F(Improve, LearnsWhatAShotLacksAndStopsWithoutAGain) {
   const bool ended = rest.output.find("every frame of the shots is simulated") != std::string::npos ||
                      rest.output.find("gain nothing") != std::string::npos;
   EXPECT_TRUE(ended) << rest.output;
+}
+
+// What was simulated for nothing would stay in the dataset.
+TEST_F(Improve, ABasisOfAnotherCharacterIsRefusedBeforeAnythingIsSimulated) {
+  ASSERT_EQ(run(simulate_ + data_ + " --frames 1-13").exit_code, 0);
+  ASSERT_EQ(run("train " + data_ + " --surface-curves 2 --out " + basis_).exit_code, 0);
+  const TemporaryFolder folder;
+  const LimbFiles larger(folder, 2);
+  const std::string data = (folder / "data").string();
+  ASSERT_EQ(run("simulate " + larger.character + " --clip " + larger.motion + " --draft --frames 1-2 --out " + data)
+                .exit_code,
+            0);
+  const std::string before = testing::read_bytes(data + "/dataset.json");
+  const ProgramResult refused =
+      run("improve " + data + " --basis " + basis_ + " --clip " + larger.motion + " --fps 120 --frames 3");
+  EXPECT_EQ(refused.exit_code, 3) << refused.output;
+  EXPECT_NE(refused.output.find(basis_), std::string::npos) << refused.output;
+  EXPECT_NE(refused.output.find("is not of this character"), std::string::npos) << refused.output;
+  EXPECT_EQ(testing::read_bytes(data + "/dataset.json"), before);
 }
 
 TEST_F(Improve, NeedsABasisThatWasTrainedOnShapes) {

@@ -105,9 +105,30 @@ TEST_F(RangeDataset, RefusesWhatHasNothingToLearn) {
   const ProgramResult without = run_verb("train --ddm-only " + files_.character + " --minutes 3 --out " + basis_);
   EXPECT_EQ(without.exit_code, 64) << without.output;
   EXPECT_NE(without.output.find("--ddm-only simulates nothing"), std::string::npos) << without.output;
+  std::ofstream(folder_ / "dataset.json") << R"({"schema": "bodyopt-dataset-1", "character": "limb.glb", "takes": []})";
   const ProgramResult dataset = run_verb("train " + folder_.path().string() + " --minutes 3 --out " + basis_);
   EXPECT_EQ(dataset.exit_code, 64) << dataset.output;
   EXPECT_NE(dataset.output.find("go with a character"), std::string::npos) << dataset.output;
+}
+
+// Options of a character do not make a dataset of anything else.
+TEST_F(RangeDataset, ThatThereIsNoDatasetIsSaid) {
+  for (const auto& [given, named] :
+       {std::pair(folder_.path().string(), "no dataset.json in it"), {"/dev/zero", "/dev/zero"}}) {
+    const ProgramResult result = run_verb("train " + given + " --minutes 3 --out " + basis_);
+    EXPECT_EQ(result.exit_code, 4) << result.output;
+    EXPECT_NE(result.output.find(named), std::string::npos) << result.output;
+    EXPECT_EQ(result.output.find("is a dataset"), std::string::npos) << result.output;
+  }
+}
+
+// Takes have the names of their clips here: the way out is another folder.
+TEST_F(RangeDataset, ASecondRunIsToldToNameAnotherFolder) {
+  fs::create_directory(data_);
+  const TakeLock another_run(data_ / "bend.nodes");
+  const ProgramResult refused = train("--no-range --clip " + files_.motion);
+  EXPECT_EQ(refused.exit_code, 4) << refused.output;
+  EXPECT_NE(refused.output.find("or name another --data"), std::string::npos) << refused.output;
 }
 
 }  // namespace

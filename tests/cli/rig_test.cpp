@@ -91,5 +91,19 @@ TEST(RomVerb, NeedsNoLimitsWithClips) {
   EXPECT_NE(none.output.find("bodyopt rig"), std::string::npos) << none.output;
 }
 
+// Before the character is read, which is not there.
+TEST(RigVerb, AnOutputThatCannotBeWrittenIsSaidFirst) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "file").string(), nowhere = (folder / "no/r.glb").string();
+  testing::write_bytes(file, "");
+  for (const auto& [command, named] :
+       {std::pair("rig none.glb --out " + file + "/rig", file + ": cannot be written into"),
+        {"rom none.glb --limits limits.json --out " + nowhere, nowhere + ": cannot be created"}}) {
+    const ProgramResult refused = run_verb(command);
+    EXPECT_EQ(refused.exit_code, 4) << refused.output;
+    EXPECT_NE(refused.output.find(named), std::string::npos) << refused.output;
+  }
+}
+
 }  // namespace
 }  // namespace bodyopt

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
 #include <pugixml.hpp>
 #include <set>
 #include <sstream>
@@ -184,6 +185,18 @@ TEST(Opencue, TheRulesRefuseWhatBreaksThem) {
   expect_refused("<deplayer>wave1<", "<deplayer>wave7<");
   expect_refused("FRAME_BY_FRAME", "JOB_ON_JOB");
   expect_refused("<chunk>1</chunk>", "<chunks>1</chunks>");
+}
+
+TEST(OpencueJob, TakesThePlaceOfNoOtherFile) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder / "job.xml";
+  require_replaceable_opencue(file);
+  std::ofstream(file) << "<?xml version=\"1.0\"?><spec><job name=\"edited\"/></spec>";
+  require_replaceable_opencue(file);
+  for (const char* other : {"<mujoco model=\"arm\"/>", "no XML", ""}) {
+    std::ofstream(file) << other;
+    EXPECT_THROW(require_replaceable_opencue(file), Error) << other;
+  }
 }
 
 }  // namespace

@@ -171,6 +171,29 @@ TEST_F(PlanShow, ThreeFormsOfAListAreOne) {
   EXPECT_EQ(json.elements[1].options.at("gravity-change"), (std::vector<std::string>{"0", "-1.5", "0"}));
 }
 
+// As spreadsheets write them: a byte order mark is no part of a key, and other separators are told.
+TEST_F(PlanShow, ATableOfASpreadsheetIsReadOrToldWhyNot) {
+  const std::string rows = "shot,element,basis,clip,out\r\na,b,hero.safetensors,walk.glb,a.pc2\r\n";
+  const std::string line = R"({"shot": "a", "element": "b", "basis": "b", "clip": "c", "out": "a.pc2"})";
+  EXPECT_EQ(read("a.csv", "\xef\xbb\xbf" + rows).elements.size(), 1u);
+  EXPECT_EQ(read("a.jsonl", "\xef\xbb\xbf" + line).elements.size(), 1u);
+  expect_problems({});
+  for (const auto& [separator, name] : {std::pair(';', "semicolons"), {'\t', "tabs"}}) {
+    std::string other = rows;
+    std::ranges::replace(other, ',', separator);
+    try {
+      read("b.csv", other);
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::file);
+      EXPECT_NE(
+          std::string(error.what()).find(concat("row 1: its columns are separated by ", name, ", expected commas")),
+          std::string::npos)
+          << error.what();
+    }
+  }
+}
+
 TEST_F(PlanShow, SaysAllThatIsWrongAtOnce) {
   plan(R"({"shot": "1", "element": "x", "frames": "1-300"},
           {"shot": "2", "element": "x", "frames": "1:10"},
@@ -198,6 +221,25 @@ TEST_F(PlanShow, SaysAllThatIsWrongAtOnce) {
   }
   EXPECT_EQ(named.size(), 11u) << ::testing::PrintToString(problems_);
   EXPECT_EQ(problems_.size(), 11u) << ::testing::PrintToString(problems_);
+}
+
+// The basis is read before the clip that moves it, and so on.
+TEST_F(PlanShow, OneMistakeOfAnElementHidesNoOther) {
+  plan(R"({"shot": "1", "element": "x", "basis": "gone.safetensors", "clip": "walk.glb#wlak", "out": "x.obj"})");
+  expect_problems({"does not end in", "gone.safetensors", "has no clip 'wlak'"});
+  problems_.clear();
+  plan(R"({"shot": "1", "element": "x", "basis": "gone.safetensors", "clip": "walk.bvh", "frames": "1-4,2-5"})");
+  expect_problems({"overlap", "gone.safetensors", "walk.bvh"});
+}
+
+// As eval has it, but before anything runs.
+TEST_F(PlanShow, AnOutputTakesThePlaceOfNoInputAndNoOtherFile) {
+  write("body.glb", "glTF, a character");
+  plan(R"({"shot": "1", "element": "x", "out": "walk.glb"},
+          {"shot": "2", "element": "x", "out": "./skin.glb", "character": "skin.glb"},
+          {"shot": "3", "element": "x", "out": "body.glb"},
+          {"shot": "4", "element": "x", "out": "new.glb"})");
+  expect_problems({"walk.glb would write over", "skin.glb would write over", "holds no shapes that bodyopt wrote"});
 }
 
 // Parts of a .glb, of an .mdd or of a rig cannot be joined.

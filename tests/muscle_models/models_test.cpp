@@ -198,6 +198,15 @@ TEST(Mujoco, IncludesAreReadOnceAndMissingOnesNoted) {
                  "cannot be read");
 }
 
+TEST(Mujoco, AFailureNamesTheMissingIncludes) {
+  const TemporaryFolder folder;
+  const Reader read_path = [](const std::filesystem::path& path) { read_model(path); };
+  const std::string parts = R"(<include file="bodies.xml"/><include file="muscles.xml"/>)";
+  expect_refused(read_path, folder / "arm.xml", "<mujoco>" + parts + "</mujoco>",
+                 "has no muscle: no spatial tendon with a muscle that pulls it; of the files that it includes, missing "
+                 "are 'bodies.xml', 'muscles.xml'");
+}
+
 // A library's models include parts of those in the folders beside theirs; nothing else of the disk is read.
 TEST(Mujoco, IncludesStayInTheModelsFolderAndThoseBesideIt) {
   const TemporaryFolder folder;

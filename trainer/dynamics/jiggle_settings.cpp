@@ -133,6 +133,10 @@ JiggleSettings read_jiggle(const std::filesystem::path& path) {
   return jiggle_settings(read_json(path, kSchema), path);
 }
 
+void require_replaceable_jiggle(const std::filesystem::path& path) {
+  require_replaceable_json(path, "schema", kSchema, "settings of the jiggle");
+}
+
 JiggleSettings jiggle_settings(const Json& json, const std::filesystem::path& origin) {
   const JsonObject top(json, origin, "the top level");
   top.allow({"schema", "softness", "damping", "amount", "poisson", "density", "tension", "flesh", "lowest_frequency",

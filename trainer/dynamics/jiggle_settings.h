@@ -49,6 +49,8 @@ void require_possible(const JiggleSettings& settings);
 
 // jiggle.json (docs/formats.md). What the file leaves out keeps its default. Throws Error(file).
 JiggleSettings read_jiggle(const std::filesystem::path& path);
+// Throws Error(file) where a file of that name is there that holds no such settings.
+void require_replaceable_jiggle(const std::filesystem::path& path);
 // Reads the settings from what such a file holds. Throws Error(file) that names `origin`.
 JiggleSettings jiggle_settings(const Json& json, const std::filesystem::path& origin);
 // Returns what read_jiggle() reads as these settings.

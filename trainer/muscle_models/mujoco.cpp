@@ -36,8 +36,13 @@ bool lies_in(const std::filesystem::path& folder, const std::filesystem::path& f
 // Replaces every <include> by what its file holds.
 class Includes {
  public:
-  Includes(XmlFile& main, std::vector<std::string>& notes)
-      : folder_(main.path.parent_path()), library_(library_of(main.path)), notes_(notes), elements_(main.elements) {
+  // `missing`: gets the names of files that are not there.
+  Includes(XmlFile& main, std::vector<std::string>& notes, std::vector<std::string>& missing)
+      : folder_(main.path.parent_path()),
+        library_(library_of(main.path)),
+        notes_(notes),
+        missing_(missing),
+        elements_(main.elements) {
     read_.insert(identity(main.path));
     expand(main.path, main.document.document_element(), 0);
     require_shallow(main.path, main.document);
@@ -78,6 +83,7 @@ class Includes {
     std::error_code ignored;
     if (!std::filesystem::exists(target, ignored)) {
       notes_.push_back("'" + name + "', which " + path.string() + " includes, is missing: left out");
+      missing_.push_back(name);
       return;
     }
     if (!lies_in(library_, target)) {
@@ -101,6 +107,7 @@ class Includes {
 
   std::filesystem::path folder_, library_;
   std::vector<std::string>& notes_;
+  std::vector<std::string>& missing_;
   std::set<Identity> read_;
   int elements_;  // of all files
 };
@@ -109,10 +116,22 @@ class MujocoReader {
  public:
   explicit MujocoReader(const std::filesystem::path& path) : file_(path) {}
 
+  // What is not understood may be in a file that is not there.
   Model read() {
+    try {
+      return parse();
+    } catch (const Error& error) {
+      if (missing_.empty()) throw;
+      throw Error(error.kind(), error.what(), "; of the files that it includes, missing are ", list_names(missing_),
+                  ": does it need them?");
+    }
+  }
+
+ private:
+  Model parse() {
     const xml_node top = file_.document.document_element();
     if (std::string(top.name()) != "mujoco") fail(top, "is not a MuJoCo model: expected <mujoco>");
-    Includes(file_, model_.notes);
+    Includes(file_, model_.notes, missing_);
     model_.file = file_.path.string();
     for (const xml_node compiler : top.children("compiler")) read_compiler(compiler);
     for (const xml_node defaults : top.children("default")) read_defaults(defaults, "");
@@ -126,7 +145,6 @@ class MujocoReader {
     return std::move(model_);
   }
 
- private:
   [[noreturn]] void fail(xml_node element, const auto&... what) const { refuse(file_.path, element, what...); }
 
   void read_compiler(xml_node compiler) {
@@ -403,6 +421,7 @@ class MujocoReader {
 
   XmlFile file_;
   Model model_;
+  std::vector<std::string> missing_;  // files that are included and not there
   bool degrees_ = true;
   std::string euler_order_ = "xyz";
   std::map<std::string, std::vector<xml_node>> classes_;
