@@ -117,6 +117,14 @@ TEST_F(FileFailures, ANumberSignInTheNameOfAClipsFileIsPartOfIt) {
   EXPECT_TRUE(fs::exists(folder_ / "report/report.html"));
 }
 
+TEST_F(FileFailures, ALinkToAFileThatIsNotThereYetIsWrittenThrough) {
+  fs::create_directory(folder_ / "scratch");
+  fs::create_symlink("scratch/limb.safetensors", folder_ / "limb.safetensors");
+  expect(run_verb("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")), 0, "wrote");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "limb.safetensors"));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "scratch/limb.safetensors"));
+}
+
 TEST_F(FileFailures, NumbersThatAreNoneAreRefusedAsOptions) {
   const std::string limb = files_.character, clip = " --clip " + files_.motion, out = " --out " + at("out");
   const std::string basis = at("limb.safetensors");
