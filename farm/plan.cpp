@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -20,6 +21,7 @@
 #include "runtime/basis/attachments.h"
 #include "runtime/basis/dynamics.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 #include "runtime/core/transformed.h"
 #include "shots/shot_files.h"
 
@@ -343,8 +345,9 @@ class ShowChecker {
   // The folder, or the one in which it would be made.
   static bool require_writable_folder(fs::path folder) {
     while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
-    if (fs::is_directory(folder) && access(folder.c_str(), W_OK) == 0) return true;
-    throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here");
+    if (access((folder / "").c_str(), W_OK) == 0) return true;  // with a '/' at its end a file is refused
+    throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here: ",
+                with_cause({errno, std::generic_category()}));
   }
 
   Once<CharacterKey, shots::OpenedCharacter> characters_;

@@ -18,6 +18,7 @@
 #include "farm/plan.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 
 namespace bodyopt::cli {
 
@@ -224,12 +225,10 @@ void say(const std::vector<std::string>& notes) {
 }
 
 void make_folder(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  std::filesystem::create_directories(folder, ignored);
-  if (!std::filesystem::is_directory(folder)) {
-    throw Error(ErrorKind::file, "'", folder,
-                "' cannot be made a folder: a file of that name is in the "
-                "way, or the folder above is not writable");
+  std::error_code failure, ignored;
+  std::filesystem::create_directories(folder, failure);
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    throw Error(ErrorKind::file, "'", folder, "' cannot be made a folder: ", with_cause(failure));
   }
 }
 
@@ -252,7 +251,7 @@ int exit_code_of(const std::function<void()>& body) {
     spdlog::error("{}", error.what());
     return error.exit_code();
   } catch (const std::filesystem::filesystem_error& error) {  // a name that is too long, a loop of links
-    spdlog::error("{}", error.what());
+    spdlog::error("{}", describe_refusal(error));
     return static_cast<int>(ErrorKind::file);
   } catch (const std::bad_alloc&) {
     spdlog::error("out of memory");

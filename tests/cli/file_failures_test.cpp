@@ -125,6 +125,34 @@ TEST_F(FileFailures, ALinkToAFileThatIsNotThereYetIsWrittenThrough) {
   EXPECT_TRUE(fs::is_regular_file(folder_ / "scratch/limb.safetensors"));
 }
 
+TEST_F(FileFailures, LinksThatLeadBackToThemselvesAndLongNamesAreToldInWords) {
+  fs::create_symlink("loop.glb", folder_ / "loop.glb");
+  const std::string loop = at("loop.glb"), dataset = at(std::string(300, 'n') + ".json");
+  for (const std::string& command :
+       {"info " + loop, "check " + loop, "info " + files_.character + " --json " + loop,
+        "train " + loop + " --out " + at("a.safetensors"), "info " + dataset, "check " + dataset}) {
+    const ProgramResult result = run_verb(command);
+    const bool is_loop = command.find(loop) != std::string::npos;
+    expect(result, 4, is_loop ? "lead back to itself?" : "names have 255 bytes at most");
+    EXPECT_EQ(result.count("filesystem error"), 0u) << result.output;
+  }
+  EXPECT_TRUE(fs::is_symlink(folder_ / "loop.glb"));
+}
+
+TEST_F(FileFailures, WhatIsThereAndNoFileIsTold) {
+  ASSERT_EQ(mkfifo(at("pipe.glb").c_str(), 0600), 0);
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  expect(run_verb("info " + at("pipe.glb")), 4, "pipe.glb: is a pipe");
+  expect(run_verb("info " + at("pipe")), 4, "pipe: is a pipe");
+  expect(run_verb("info /dev/zero"), 4, "/dev/zero: is a device");
+}
+
+TEST_F(FileFailures, AFolderThatCannotBeMadeTellsWhy) {
+  const std::string rig = "rig " + files_.character + " --out ";
+  expect(run_verb(rig + files_.motion), 4, "is a file in the place of a folder?");
+  expect(run_verb(rig + at(std::string(300, 'n'))), 4, "names have 255 bytes at most");
+}
+
 TEST_F(FileFailures, NumbersThatAreNoneAreRefusedAsOptions) {
   const std::string limb = files_.character, clip = " --clip " + files_.motion, out = " --out " + at("out");
   const std::string basis = at("limb.safetensors");
