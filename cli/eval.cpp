@@ -36,10 +36,14 @@ struct EvalArguments {
   std::string list;     // of shots, in place of all else
 };
 
+// Where the signs of `shot.####.pc2` begin, or npos. Folders may have such names.
+std::size_t frame_place(const std::string& pattern) {
+  return pattern.find('#', pattern.size() - fs::path(pattern).filename().string().size());
+}
+
 // `shot.####.pc2`: the first frame in place of the signs, a digit each at least.
 std::string with_first_frame(const std::string& pattern, int frame) {
-  const std::size_t begin = pattern.find('#');
-  if (begin == std::string::npos) return pattern;
+  const std::size_t begin = frame_place(pattern);
   const std::size_t end = std::min(pattern.find_first_not_of('#', begin), pattern.size());
   return pattern.substr(0, begin) + format("{:0{}}", frame, end - begin) + pattern.substr(end);
 }
@@ -321,7 +325,7 @@ void run(EvalArguments arguments) {
   arguments.json.require_writable();
   arguments.jiggle.check(arguments.shot.jiggle);
   std::string& out = arguments.cache.out;
-  if (out.find('#') != std::string::npos) out = with_first_frame(out, first_frame_of(arguments.shot));
+  if (frame_place(out) != std::string::npos) out = with_first_frame(out, first_frame_of(arguments.shot));
   const std::vector<fs::path> inputs = arguments.shot.paths();
   refuse_over("--out", out, inputs);
   check_rig(arguments, inputs);

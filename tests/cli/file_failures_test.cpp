@@ -153,6 +153,16 @@ TEST_F(FileFailures, AFolderThatCannotBeMadeTellsWhy) {
   expect(run_verb(rig + at(std::string(300, 'n'))), 4, "names have 255 bytes at most");
 }
 
+TEST_F(FileFailures, ANumberSignInAFoldersNameIsNoFirstFrame) {
+  ASSERT_EQ(run_verb("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")).exit_code, 0);
+  fs::create_directory(folder_ / "d#1");
+  const std::string eval = "eval " + at("limb.safetensors") + " --clip " + files_.motion + " --device cpu --out ";
+  expect(run_verb(eval + at("d#1/all.pc2")), 0, "wrote");
+  expect(run_verb(eval + at("d#1/s.##.pc2") + " --frames 2-3"), 0, "wrote");
+  EXPECT_TRUE(fs::exists(folder_ / "d#1/all.pc2"));
+  EXPECT_TRUE(fs::exists(folder_ / "d#1/s.02.pc2"));
+}
+
 TEST_F(FileFailures, NumbersThatAreNoneAreRefusedAsOptions) {
   const std::string limb = files_.character, clip = " --clip " + files_.motion, out = " --out " + at("out");
   const std::string basis = at("limb.safetensors");
