@@ -332,7 +332,9 @@ void run(EvalArguments arguments) {
   std::optional<farm::TaskRun> task;
   if (arguments.task.resume) task.emplace(out, BODYOPT_VERSION, arguments.task.given, inputs);
   if (task && !arguments.task.pretend && is_done(arguments, *task)) {
-    std::fputs(("already done: " + out + "\n").c_str(), arguments.json.path == "-" ? stderr : stdout);
+    const std::string text = "already done: " + out + "\n";
+    if (arguments.json.path != "-") return print(text);
+    std::fputs(text.c_str(), stderr);
     return;
   }
   try {

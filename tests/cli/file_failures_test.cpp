@@ -163,6 +163,16 @@ TEST_F(FileFailures, ANumberSignInAFoldersNameIsNoFirstFrame) {
   EXPECT_TRUE(fs::exists(folder_ / "d#1/s.02.pc2"));
 }
 
+// Long texts are written before the last flush, short ones by it; those of help are CLI11's own.
+TEST_F(FileFailures, AStandardOutputThatIsFullOrClosedIsAnError) {
+  for (const std::string& arguments : {std::string("--version"), std::string("eval --help"), std::string("help eval"),
+                                       "info " + files_.character, "info " + files_.character + " --json -"}) {
+    const std::string program = "{ " + kProgram + " " + arguments + " 2>&1";
+    expect(run_program(program + " >/dev/full; }"), 4, "standard output cannot be written: No space left on device");
+    expect(run_program(program + " >&-; }"), 4, "standard output cannot be written: Bad file descriptor");
+  }
+}
+
 TEST_F(FileFailures, NumbersThatAreNoneAreRefusedAsOptions) {
   const std::string limb = files_.character, clip = " --clip " + files_.motion, out = " --out " + at("out");
   const std::string basis = at("limb.safetensors");
