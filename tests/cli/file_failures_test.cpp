@@ -117,6 +117,16 @@ TEST_F(FileFailures, ANumberSignInTheNameOfAClipsFileIsPartOfIt) {
   EXPECT_TRUE(fs::exists(folder_ / "report/report.html"));
 }
 
+TEST_F(FileFailures, ANumberSignInAFoldersNameIsNoFirstFrame) {
+  ASSERT_EQ(run_verb("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")).exit_code, 0);
+  fs::create_directory(folder_ / "d#1");
+  const std::string eval = "eval " + at("limb.safetensors") + " --clip " + files_.motion + " --device cpu --out ";
+  expect(run_verb(eval + at("d#1/all.pc2")), 0, "wrote");
+  expect(run_verb(eval + at("d#1/s.##.pc2") + " --frames 2-3"), 0, "wrote");
+  EXPECT_TRUE(fs::exists(folder_ / "d#1/all.pc2"));
+  EXPECT_TRUE(fs::exists(folder_ / "d#1/s.02.pc2"));
+}
+
 TEST_F(FileFailures, ALinkToAFileThatIsNotThereYetIsWrittenThrough) {
   fs::create_directory(folder_ / "scratch");
   fs::create_symlink("scratch/limb.safetensors", folder_ / "limb.safetensors");
@@ -153,16 +163,6 @@ TEST_F(FileFailures, AFolderThatCannotBeMadeTellsWhy) {
   expect(run_verb(rig + at(std::string(300, 'n'))), 4, "names have 255 bytes at most");
 }
 
-TEST_F(FileFailures, ANumberSignInAFoldersNameIsNoFirstFrame) {
-  ASSERT_EQ(run_verb("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")).exit_code, 0);
-  fs::create_directory(folder_ / "d#1");
-  const std::string eval = "eval " + at("limb.safetensors") + " --clip " + files_.motion + " --device cpu --out ";
-  expect(run_verb(eval + at("d#1/all.pc2")), 0, "wrote");
-  expect(run_verb(eval + at("d#1/s.##.pc2") + " --frames 2-3"), 0, "wrote");
-  EXPECT_TRUE(fs::exists(folder_ / "d#1/all.pc2"));
-  EXPECT_TRUE(fs::exists(folder_ / "d#1/s.02.pc2"));
-}
-
 // Long texts are written before the last flush, short ones by it; those of help are CLI11's own.
 TEST_F(FileFailures, AStandardOutputThatIsFullOrClosedIsAnError) {
   for (const std::string& arguments : {std::string("--version"), std::string("eval --help"), std::string("help eval"),
@@ -170,6 +170,16 @@ TEST_F(FileFailures, AStandardOutputThatIsFullOrClosedIsAnError) {
     const std::string program = "{ " + kProgram + " " + arguments + " 2>&1";
     expect(run_program(program + " >/dev/full; }"), 4, "standard output cannot be written: No space left on device");
     expect(run_program(program + " >&-; }"), 4, "standard output cannot be written: Bad file descriptor");
+  }
+}
+
+// Netgen is loaded late, and the loader tells in words alone that memory ran out.
+TEST_F(FileFailures, ALibraryThatDoesNotFitIntoMemoryIsNotCalledMissing) {
+  for (const char* kilobytes : {"250000", "300000", "350000", "400000"}) {
+    const ProgramResult result =
+        run_program(std::string("ulimit -v ") + kilobytes + "; exec " + kProgram + " " + simulate(at(kilobytes)));
+    EXPECT_EQ(result.count("is the package"), 0u) << kilobytes << "\n" << result.output;
+    EXPECT_NE(result.exit_code, 4) << kilobytes << "\n" << result.output;
   }
 }
 
