@@ -2,9 +2,11 @@
 
 #include <unistd.h>
 
+#include <cerrno>
 #include <system_error>
 
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 
 namespace bodyopt {
 namespace {
@@ -31,8 +33,9 @@ void refuse_over(const std::string& option, const fs::path& output, const std::v
 void require_writable_folder(fs::path folder) {
   folder = fs::absolute(folder);
   while (!fs::exists(folder) && folder.has_relative_path()) folder = folder.parent_path();
-  if (fs::is_directory(folder) && access(folder.c_str(), W_OK) == 0) return;
-  throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here");
+  if (access((folder / "").c_str(), W_OK) == 0) return;  // with a '/' at its end a file is refused
+  throw Error(ErrorKind::file, folder, ": cannot be written into: expected a folder that is writable from here: ",
+              with_cause({errno, std::generic_category()}));
 }
 
 }  // namespace bodyopt

@@ -37,10 +37,14 @@ struct EvalArguments {
   std::string list;     // of shots, in place of all else
 };
 
+// Where the signs of `shot.####.pc2` begin, or npos. Folders may have such names.
+std::size_t frame_place(const std::string& pattern) {
+  return pattern.find('#', pattern.size() - fs::path(pattern).filename().string().size());
+}
+
 // `shot.####.pc2`: the first frame in place of the signs, a digit each at least.
 std::string with_first_frame(const std::string& pattern, int frame) {
-  const std::size_t begin = pattern.find('#');
-  if (begin == std::string::npos) return pattern;
+  const std::size_t begin = frame_place(pattern);
   const std::size_t end = std::min(pattern.find_first_not_of('#', begin), pattern.size());
   return pattern.substr(0, begin) + format("{:0{}}", frame, end - begin) + pattern.substr(end);
 }
@@ -307,14 +311,16 @@ void run(EvalArguments arguments) {
   arguments.json.require_writable();
   arguments.jiggle.check(arguments.shot.jiggle);
   std::string& out = arguments.cache.out;
-  if (out.find('#') != std::string::npos) out = with_first_frame(out, first_frame_of(arguments.shot));
+  if (frame_place(out) != std::string::npos) out = with_first_frame(out, first_frame_of(arguments.shot));
   const std::vector<fs::path> inputs = arguments.shot.paths();
   refuse_over("--out", out, inputs);
   check_rig(arguments, inputs);
   std::optional<farm::TaskRun> task;
   if (arguments.task.resume) task.emplace(out, BODYOPT_VERSION, arguments.task.given, inputs);
   if (task && !arguments.task.pretend && is_done(arguments, *task)) {
-    std::fputs(("already done: " + out + "\n").c_str(), arguments.json.path == "-" ? stderr : stdout);
+    const std::string text = "already done: " + out + "\n";
+    if (arguments.json.path != "-") return print(text);
+    std::fputs(text.c_str(), stderr);
     return;
   }
   try {

@@ -24,6 +24,7 @@
 #include "runtime/basis/safetensors.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/file_problem.h"
 #include "runtime/core/transformed.h"
 #include "runtime/host/jiggle.h"
 #include "runtime/modifiers/drive_modifiers.h"
@@ -299,8 +300,8 @@ Json dataset_info(const std::string& path) {
 }
 
 Json info(std::string path, double unit) {
-  if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path, ": no such file");
   path = dataset_file(path).string();
+  require_file(path);
   const std::string extension = lower_case_extension(path);
   if (is_called_scene(path)) return scene_info(path, unit);
   if (extension == ".safetensors") return trained_info(path);

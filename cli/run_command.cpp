@@ -1,15 +1,18 @@
 #include "cli/run_command.h"
 
+#include <fcntl.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <sstream>
 
 #include "base/progress.h"
 #include "base/wording.h"
@@ -89,7 +92,9 @@ int parse(CLI::App& app, std::vector<std::string> arguments) {
   try {
     app.parse(arguments);
   } catch (const CLI::Success& success) {
-    app.exit(success);
+    std::ostringstream text;  // CLI11 would not tell whether it was printed
+    app.exit(success, text);
+    print(text.str());
   } catch (const CLI::ParseError& error) {
     require_options(app);
     app.exit(error);
@@ -115,6 +120,14 @@ void limit_threads() {
   if (count >= 1) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(count));
 }
 
+// The number of a closed stream would be given to the next file that is opened, and what is printed would go into it.
+// Reading what should be written fails as a closed stream does.
+void keep_closed_streams_apart() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
 constexpr double kUncutMinutes = 1e5;  // of a task: no element is cut into parts
 
 // Runs the step in this process; what it prints stands in the log.
@@ -122,13 +135,13 @@ int run_step(const farm::FarmStep& step, const std::string& progress) {
   return exit_code_of([&] {
     make_folder(std::filesystem::path(step.out).parent_path());
     (step.arguments.front() == "join" ? join_step : eval_step)(step, progress);
-    std::fflush(stdout);
   });
 }
 
 }  // namespace
 
 void prepare_process() {
+  keep_closed_streams_apart();
   spdlog::set_default_logger(spdlog::stderr_color_mt("bodyopt"));
   spdlog::set_pattern("%^%l%$: %v");
   catch_interrupts();
@@ -157,8 +170,9 @@ int run_command(const std::vector<std::string>& arguments) {
   }
   int parsed = 0;
   const int code = exit_code_of([&] { parsed = parse(app, as_options(arguments)); });
+  const int printed = exit_code_of(require_printed);
   if (code != 0 || parsed != 0) return std::max(code, parsed);
-  return std::fflush(stdout) == 0 ? 0 : static_cast<int>(ErrorKind::file);
+  return printed;
 }
 
 void run_steps(const std::vector<const farm::FarmStep*>& steps, const std::string& progress) {

@@ -16,6 +16,7 @@
 #include "base/json_file.h"
 #include "dataset/modifier.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 #include "runtime/core/text.h"
 
 namespace bodyopt {
@@ -145,6 +146,7 @@ Dataset with_take(Dataset dataset, const DatasetTake& take) {
 }  // namespace
 
 std::uint64_t file_hash(const std::filesystem::path& path) {
+  require_file(path);
   std::ifstream file(path, std::ios::binary);
   const std::unique_ptr<XXH3_state_t, decltype(&XXH3_freeState)> state(XXH3_createState(), &XXH3_freeState);
   XXH3_64bits_reset(state.get());
@@ -152,7 +154,7 @@ std::uint64_t file_hash(const std::filesystem::path& path) {
   while (file.read(bytes.data(), bytes.size()) || file.gcount() > 0) {
     XXH3_64bits_update(state.get(), bytes.data(), static_cast<std::size_t>(file.gcount()));
   }
-  if (!file.eof()) throw Error(ErrorKind::file, path, ": cannot be read: it is not there, or damaged");
+  if (!file.eof()) throw Error(ErrorKind::file, path, ": ", why_unreadable(path));
   return XXH3_64bits_digest(state.get());
 }
 

@@ -1,6 +1,7 @@
 #include "farm/plan.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdlib>
 #include <map>

@@ -18,6 +18,7 @@
 #include "base/json_file.h"
 #include "base/parallel.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 #include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 
@@ -294,7 +295,7 @@ void TaskRun::remove_checkpoint() const {
 
 FileStamp stamp_file(const fs::path& path) {
   const FileTimes times = times_of(path);
-  if (!times.is_file) fail(path, fs::exists(path) ? "it is no file" : "it is not there");
+  if (!times.is_file) throw Error(ErrorKind::file, path, ": ", why_unreadable(path));
   return {path.string(), times.bytes, times.modified, hash_of_content(path)};
 }
 

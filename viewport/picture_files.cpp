@@ -167,7 +167,8 @@ void PictureSeries::write(draw::Image picture, fs::path file) {
 }
 
 bool shows_motion(const std::string& pattern) {
-  return is_one_file(pattern) || pattern.find_first_of("#%") != std::string::npos;
+  const std::string name = fs::path(pattern).filename().string();  // folders may have any
+  return is_one_file(pattern) || name.find_first_of("#%") != std::string::npos;
 }
 
 std::unique_ptr<PictureSeries> frame_series(const std::string& pattern, double fps, Controls& controls) {

@@ -15,6 +15,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/file_problem.h"
 #include "runtime/core/text.h"
 
 namespace bodyopt {
@@ -68,7 +69,7 @@ struct Pc2Reader::File {
     descriptor = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // a pipe must not block
     struct stat status {};
     if (descriptor < 0 || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-      throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
+      throw Error(ErrorKind::file, path, ": ", why_unreadable(path));
     }
     size = static_cast<std::uint64_t>(status.st_size);
   }

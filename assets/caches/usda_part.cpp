@@ -5,11 +5,14 @@
 
 #include "assets/caches/usda.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 
 namespace bodyopt {
 
-UsdaPart::UsdaPart(const std::filesystem::path& path) : path_(path), file_(path) {
-  if (!file_) throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
+UsdaPart::UsdaPart(const std::filesystem::path& path) : path_(path) {
+  require_file(path);
+  file_.open(path);
+  if (!file_) throw Error(ErrorKind::file, path, ": ", why_unreadable(path));
   while (next() && line_ != kUsdaPointSamples) {
     if (line_.starts_with(kUsdaLastFrame)) {
       last_frame_ = line_;

@@ -14,6 +14,7 @@
 #include "base/wording.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/file_problem.h"
 #include "runtime/core/text.h"
 #include "runtime/core/transformed.h"
 
@@ -130,7 +131,7 @@ std::vector<int> clip_keys(const std::string& source, const ClipOptions& options
 
 std::vector<std::string> clip_names(const std::filesystem::path& path) {
   if (lower_case_extension(path) == ".bvh") {
-    if (!std::filesystem::exists(path)) throw Error(ErrorKind::file, path, ": no such file");
+    require_file(path);
     return {path.stem().string()};
   }
   const GltfFile file(path);

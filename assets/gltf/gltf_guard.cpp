@@ -12,6 +12,7 @@
 #include "runtime/basis/read_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/file_problem.h"
 #include "runtime/core/json.h"
 #include "runtime/core/text.h"
 
@@ -256,7 +257,7 @@ GuardedGltf guard_gltf(const std::filesystem::path& path, std::string_view bytes
       if (buffer_bytes > kMaxBufferBytes) fail(path, "its buffers hold more than 4 GiB");
     }
   } catch (const std::filesystem::filesystem_error& error) {
-    fail(path, "a buffer's file cannot be found: ", error.what());
+    fail(path, "a buffer's file cannot be found: ", describe_refusal(error));
   }
   decompress_views(path, root, guarded.buffers);
   for (const char* key : {"materials", "textures", "samplers", "images", "cameras"}) {

@@ -4,9 +4,11 @@
 #include <spdlog/spdlog.h>
 #include <sys/resource.h>
 
+#include <cerrno>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
@@ -21,6 +23,7 @@
 #include "runtime/basis/file_schema.h"
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 
 namespace bodyopt::cli {
 
@@ -114,6 +117,25 @@ template CLI::Option* add_number(CLI::App&, const std::string&, unsigned&, doubl
 template CLI::Option* add_number(CLI::App&, const std::string&, float&, double, double, const std::string&);
 template CLI::Option* add_number(CLI::App&, const std::string&, double&, double, double, const std::string&);
 
+namespace {
+
+int print_failure = 0;  // errno of the first that failed
+
+}  // namespace
+
+// Flushed here: what does not fit the buffer is written before, and a later flush tells nothing of its failure.
+void print(const std::string& text) {
+  const bool is_printed = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0;
+  if (!is_printed && print_failure == 0) print_failure = errno;
+}
+
+void require_printed() {
+  const int failure = std::exchange(print_failure, 0);
+  if (failure == 0) return;
+  std::clearerr(stdout);
+  throw Error(ErrorKind::file, "standard output cannot be written: ", std::strerror(failure));
+}
+
 void JsonOption::add(CLI::App& verb) {
   add_option(verb, "--json", path, "Write the result as JSON to FILE ('-': standard output)")->type_name("FILE");
 }
@@ -125,23 +147,18 @@ void JsonOption::require_writable() const {
 }
 
 void JsonOption::print(const std::string& text) const {
-  if (path == "-") return;
-  std::fputs(text.c_str(), stdout);
-  std::fflush(stdout);
+  if (path != "-") cli::print(text);
 }
 
 void JsonOption::emit(const Json& result, const std::string& text) const {
   // Names of files may be any bytes: those that are no text are replaced.
   const std::string json = result.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  if (path == "-") {
-    std::fputs(json.c_str(), stdout);
-    return;
-  }
+  if (path == "-") return cli::print(json);
   if (!path.empty()) {
     refuse_other_kind(path, schema);
     write_file_atomically(path, json);
   }
-  std::fputs(text.c_str(), stdout);
+  cli::print(text);
 }
 
 void ClipArguments::add(CLI::App& verb) {
@@ -246,12 +263,10 @@ void say(const std::vector<std::string>& notes) {
 }
 
 void make_folder(const std::filesystem::path& folder) {
-  std::error_code ignored;
-  std::filesystem::create_directories(folder, ignored);
-  if (!std::filesystem::is_directory(folder)) {
-    throw Error(ErrorKind::file, "'", folder,
-                "' cannot be made a folder: a file of that name is in the "
-                "way, or the folder above is not writable");
+  std::error_code failure, ignored;
+  std::filesystem::create_directories(folder, failure);
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    throw Error(ErrorKind::file, "'", folder, "' cannot be made a folder: ", with_cause(failure));
   }
 }
 
@@ -274,7 +289,7 @@ int exit_code_of(const std::function<void()>& body) {
     spdlog::error("{}", error.what());
     return error.exit_code();
   } catch (const std::filesystem::filesystem_error& error) {  // a name that is too long, a loop of links
-    spdlog::error("{}", error.what());
+    spdlog::error("{}", describe_refusal(error));
     return static_cast<int>(ErrorKind::file);
   } catch (const std::bad_alloc&) {
     spdlog::error("out of memory");

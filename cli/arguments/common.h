@@ -87,6 +87,11 @@ void warn(const std::string& note);
 // Says each note once so.
 void say(const std::vector<std::string>& notes);
 
+// Prints on standard output, all that goes there.
+void print(const std::string& text);
+// Throws Error(file) where standard output did not take all that was printed since the last call.
+void require_printed();
+
 // --json FILE; '-' is standard output, which then holds nothing else.
 struct JsonOption {
   std::string path, schema{};  // of the result, where it has one

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 
 namespace bodyopt {
 namespace {
@@ -29,7 +30,7 @@ std::string read_file(const std::filesystem::path& path, std::uint64_t most, con
   const Closing open_file{open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};  // a pipe must not block
   struct stat status {};
   if (open_file.file < 0 || fstat(open_file.file, &status) != 0 || !S_ISREG(status.st_mode)) {
-    refuse("no such file, or it cannot be read (a folder, or no permission?)");
+    refuse(why_unreadable(path));
   }
   std::string bytes;
   const auto refuse_size = [&](std::uint64_t size) {

@@ -11,6 +11,7 @@
 #include "runtime/core/atomic_file.h"
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/file_problem.h"
 #include "runtime/core/json.h"
 #include "runtime/core/text.h"
 
@@ -201,7 +202,7 @@ Safetensors read_safetensors(const std::filesystem::path& path) {
   std::error_code ignored;
   std::ifstream stream;
   if (std::filesystem::is_regular_file(path, ignored)) stream.open(path, std::ios::binary | std::ios::ate);
-  if (!stream.is_open()) throw Error(ErrorKind::file, path, ": cannot be read: no such file, or no permission?");
+  if (!stream.is_open()) throw Error(ErrorKind::file, path, ": ", why_unreadable(path));
   // The size is that of the open file: by the path another may have taken its place.
   const auto size = static_cast<std::uint64_t>(stream.tellg());
   return parse(path, size, [&](std::uint64_t begin, std::span<std::byte> to) {

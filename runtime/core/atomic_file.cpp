@@ -148,9 +148,19 @@ fs::path lock_beside(const fs::path& file) {
 }  // namespace
 
 fs::path link_target(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // one to the next, as the system follows them
   std::error_code failure;
-  const fs::path target = fs::weakly_canonical(path, failure);
-  return failure ? path : target;
+  fs::path target = path;
+  // One by one: weakly_canonical() leaves a link whose target does not exist yet as it is.
+  for (int links = 0; fs::is_symlink(fs::symlink_status(target, failure)); ++links) {
+    const fs::path next = fs::read_symlink(target, failure);
+    if (failure || links == kMostLinks) {
+      throw Error(ErrorKind::file, path, ": is a symbolic link that cannot be followed: does it lead back to itself?");
+    }
+    target = target.parent_path() / next;
+  }
+  const fs::path whole = fs::weakly_canonical(target, failure);
+  return failure ? target : whole;
 }
 
 AtomicFile::AtomicFile(const std::filesystem::path& path) : path_(link_target(path)) {

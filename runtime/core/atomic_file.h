@@ -11,7 +11,8 @@
 
 namespace bodyopt {
 
-// The target of a symbolic link, since that is replaced and not the link; any other path as it is.
+// The target of a symbolic link, which may not exist yet, since that is replaced and not the link; any other path as it
+// is. Throws Error(file) for a link that leads back to itself.
 [[nodiscard]] std::filesystem::path link_target(const std::filesystem::path& path);
 
 // A file being written. commit() flushes it to the disk and renames it; destroyed before that, it leaves nothing

@@ -63,11 +63,13 @@ std::string described(const Kind& kind) { return "; it looks like " + std::strin
 }  // namespace
 
 std::string looks_like(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return "";  // a pipe would make its reader wait
   std::ifstream file(path, std::ios::binary);
   std::string start(512, '\0');
   file.read(start.data(), static_cast<std::streamsize>(start.size()));
   start.resize(static_cast<std::size_t>(file.gcount()));
-  if (!file.is_open() || std::filesystem::is_directory(path)) return "";
+  if (!file.is_open()) return "";
   if (start.empty()) return "; it is empty";
   if (start.find("<COLLADA") != std::string::npos) return described({"", "a COLLADA file (.dae)", kByBlender});
   const std::string extension = lower_case(path.extension().string());

@@ -77,6 +77,26 @@ TEST(AtomicFile, FollowsASymbolicLink) {
   EXPECT_EQ(entries(folder / "there"), 1u);
 }
 
+TEST(AtomicFile, ALinkIsFollowedToAFileThatIsNotThereYet) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "there");
+  std::filesystem::create_symlink("there/next", folder / "link");  // both tell from their own folders
+  std::filesystem::create_symlink("a", folder / "there/next");
+  write(folder / "link", "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "there/next"));
+  EXPECT_EQ(read_bytes(folder / "there/a"), "new");
+}
+
+TEST(AtomicFile, ALinkThatLeadsBackToItselfIsRefusedAndKept) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("b", folder / "a");
+  std::filesystem::create_symlink("a", folder / "b");
+  EXPECT_TRUE(refuses([](const auto& p) { write(p, "new"); }, folder / "a", "loop"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "a"));
+  EXPECT_EQ(entries(folder.path()), 2u);
+}
+
 // A limit on the size of files does what a full disk does, once its signal is ignored.
 TEST(AtomicFile, AFullDiskLeavesTheOldFile) {
   const TemporaryFolder folder;

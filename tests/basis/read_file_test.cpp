@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <functional>
+#include <utility>
+
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 #include "tests/support/hostile_bytes.h"
 #include "tests/support/temporary_folder.h"
 
@@ -13,6 +17,17 @@ namespace {
 using namespace testing;
 
 std::string read_small(const std::filesystem::path& path) { return read_file(path, 100, "a small file"); }
+
+void expect_error(const std::function<void()>& action, const std::string& named, const std::string& told) {
+  try {
+    action();
+    ADD_FAILURE() << named << told;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::file);
+    const std::string text = error.what();
+    EXPECT_TRUE(text.starts_with(named) && text.find(told) != std::string::npos) << text << "\nexpected: " << told;
+  }
+}
 
 TEST(ReadFile, GivesTheBytes) {
   const TemporaryFolder folder;
@@ -30,9 +45,34 @@ TEST(ReadFile, WhatIsNoFileOrTooLargeIsRefused) {
   const TemporaryFolder folder;
   expect_refused(read_small, folder / "a", std::string(101, 'x'), "not a small file?");
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
-  for (const std::filesystem::path& path :
-       {folder / "none", folder.path(), folder / "pipe", std::filesystem::path("/dev/zero")}) {
-    EXPECT_TRUE(refuses([](const auto& from) { read_small(from); }, path, path.string()));
+  std::filesystem::create_symlink("none", folder / "dangling");
+  std::filesystem::create_symlink("loop", folder / "loop");
+  write_bytes(folder / "a", "");
+  const std::pair<std::filesystem::path, const char*> cases[] = {
+      {folder / "none", "no such file"},
+      {folder.path(), "is a folder"},
+      {folder / "pipe", "is a pipe"},
+      {"/dev/zero", "is a device"},
+      {folder / "dangling", "is a symbolic link to a file that is not there"},
+      {folder / "loop", "does a symbolic link lead back to itself?"},
+      {folder / "a/b", "is a file in the place of a folder?"},
+      {folder / std::string(300, 'n'), "names have 255 bytes at most"}};
+  for (const auto& [path, told] : cases) {
+    expect_error([&] { read_small(path); }, path.string() + ": ", told);
+    expect_error([&] { require_file(path); }, path.string() + ": ", told);
+  }
+}
+
+TEST(ReadFile, WhatTheFileSystemRefusesIsTold) {
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("loop", folder / "loop");
+  try {
+    (void)std::filesystem::exists(folder / "loop");
+    FAIL();
+  } catch (const std::filesystem::filesystem_error& error) {
+    EXPECT_EQ(describe_refusal(error), (folder / "loop").string() +
+                                           ": the file system refuses it: Too many levels of symbolic links (does a "
+                                           "symbolic link lead back to itself?)");
   }
 }
 

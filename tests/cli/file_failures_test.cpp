@@ -159,6 +159,72 @@ TEST_F(FileFailures, ANumberSignInTheNameOfAClipsFileIsPartOfIt) {
   EXPECT_TRUE(fs::exists(folder_ / "report/report.html"));
 }
 
+TEST_F(FileFailures, ANumberSignInAFoldersNameIsNoFirstFrame) {
+  ASSERT_EQ(run_verb("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")).exit_code, 0);
+  fs::create_directory(folder_ / "d#1");
+  const std::string eval = "eval " + at("limb.safetensors") + " --clip " + files_.motion + " --device cpu --out ";
+  expect(run_verb(eval + at("d#1/all.pc2")), 0, "wrote");
+  expect(run_verb(eval + at("d#1/s.##.pc2") + " --frames 2-3"), 0, "wrote");
+  EXPECT_TRUE(fs::exists(folder_ / "d#1/all.pc2"));
+  EXPECT_TRUE(fs::exists(folder_ / "d#1/s.02.pc2"));
+}
+
+TEST_F(FileFailures, ALinkToAFileThatIsNotThereYetIsWrittenThrough) {
+  fs::create_directory(folder_ / "scratch");
+  fs::create_symlink("scratch/limb.safetensors", folder_ / "limb.safetensors");
+  expect(run_verb("train --ddm-only " + files_.character + " --out " + at("limb.safetensors")), 0, "wrote");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "limb.safetensors"));
+  EXPECT_TRUE(fs::is_regular_file(folder_ / "scratch/limb.safetensors"));
+}
+
+TEST_F(FileFailures, LinksThatLeadBackToThemselvesAndLongNamesAreToldInWords) {
+  fs::create_symlink("loop.glb", folder_ / "loop.glb");
+  const std::string loop = at("loop.glb"), dataset = at(std::string(300, 'n') + ".json");
+  for (const std::string& command :
+       {"info " + loop, "check " + loop, "info " + files_.character + " --json " + loop,
+        "train " + loop + " --out " + at("a.safetensors"), "info " + dataset, "check " + dataset}) {
+    const ProgramResult result = run_verb(command);
+    const bool is_loop = command.find(loop) != std::string::npos;
+    expect(result, 4, is_loop ? "lead back to itself?" : "names have 255 bytes at most");
+    EXPECT_EQ(result.count("filesystem error"), 0u) << result.output;
+  }
+  EXPECT_TRUE(fs::is_symlink(folder_ / "loop.glb"));
+}
+
+TEST_F(FileFailures, WhatIsThereAndNoFileIsTold) {
+  ASSERT_EQ(mkfifo(at("pipe.glb").c_str(), 0600), 0);
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  expect(run_verb("info " + at("pipe.glb")), 4, "pipe.glb: is a pipe");
+  expect(run_verb("info " + at("pipe")), 4, "pipe: is a pipe");
+  expect(run_verb("info /dev/zero"), 4, "/dev/zero: is a device");
+}
+
+TEST_F(FileFailures, AFolderThatCannotBeMadeTellsWhy) {
+  const std::string rig = "rig " + files_.character + " --out ";
+  expect(run_verb(rig + files_.motion), 4, "is a file in the place of a folder?");
+  expect(run_verb(rig + at(std::string(300, 'n'))), 4, "names have 255 bytes at most");
+}
+
+// Long texts are written before the last flush, short ones by it; those of help are CLI11's own.
+TEST_F(FileFailures, AStandardOutputThatIsFullOrClosedIsAnError) {
+  for (const std::string& arguments : {std::string("--version"), std::string("eval --help"), std::string("help eval"),
+                                       "info " + files_.character, "info " + files_.character + " --json -"}) {
+    const std::string program = "{ " + kProgram + " " + arguments + " 2>&1";
+    expect(run_program(program + " >/dev/full; }"), 4, "standard output cannot be written: No space left on device");
+    expect(run_program(program + " >&-; }"), 4, "standard output cannot be written: Bad file descriptor");
+  }
+}
+
+// Netgen is loaded late, and the loader tells in words alone that memory ran out.
+TEST_F(FileFailures, ALibraryThatDoesNotFitIntoMemoryIsNotCalledMissing) {
+  for (const char* kilobytes : {"250000", "300000", "350000", "400000"}) {
+    const ProgramResult result =
+        run_program(std::string("ulimit -v ") + kilobytes + "; exec " + kProgram + " " + simulate(at(kilobytes)));
+    EXPECT_EQ(result.count("is the package"), 0u) << kilobytes << "\n" << result.output;
+    EXPECT_NE(result.exit_code, 4) << kilobytes << "\n" << result.output;
+  }
+}
+
 TEST_F(FileFailures, NumbersThatAreNoneAreRefusedAsOptions) {
   const std::string limb = files_.character, clip = " --clip " + files_.motion, out = " --out " + at("out");
   const std::string basis = at("limb.safetensors");

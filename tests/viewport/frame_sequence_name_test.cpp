@@ -36,6 +36,8 @@ TEST(FrameSequenceName, PercentIsAsPrintfWritesIt) {
 
 TEST(FrameSequenceName, FoldersMayHaveAnyName) {
   EXPECT_EQ(name("/a/sh#1/100%d/img.##.png", 5), "/a/sh#1/100%d/img.05.png");
+  EXPECT_FALSE(shows_motion("/a/sh#1/100%d/img.png"));
+  EXPECT_TRUE(shows_motion("/a/sh#1/100%d/img.##.png"));
 }
 
 TEST(FrameSequenceName, OnePictureNeedsNoPlace) {

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <iomanip>
 #include <memory>
+#include <new>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -50,9 +51,19 @@ struct Netgen {
 
 constexpr const char* kLibrary = BODYOPT_NETGEN;
 
+// Why the library was not loaded. Throws std::bad_alloc where memory ran out, which the loader tells in words alone.
+std::string loader_error() {
+  const std::string reason = dlerror();
+  for (const char* told : {"Cannot allocate memory", "cannot allocate memory", "failed to map segment"}) {
+    if (reason.find(told) != std::string::npos) throw std::bad_alloc();
+  }
+  return reason;
+}
+
 [[noreturn]] void refuse_library() {
-  throw Error(ErrorKind::file, kLibrary, ": expected Netgen's library, which fills skins with ",
-              "tetrahedra: ", dlerror(), "; is the package libnglib-6.2 installed?");
+  const std::string reason = loader_error();
+  throw Error(ErrorKind::file, kLibrary, ": expected Netgen's library, which fills skins with ", "tetrahedra: ", reason,
+              "; is the package libnglib-6.2 installed?");
 }
 
 // `name`: as compilers write a C++ function's name into a library.
@@ -64,7 +75,10 @@ void find(void* library, const char* name, Function& function) {
 
 Netgen load() {
   void* library = dlopen(kLibrary, RTLD_LAZY | RTLD_LOCAL);
-  if (library == nullptr) library = dlopen(std::strrchr(kLibrary, '/') + 1, RTLD_LAZY | RTLD_LOCAL);  // a wheel's own
+  if (library == nullptr) {
+    loader_error();
+    library = dlopen(std::strrchr(kLibrary, '/') + 1, RTLD_LAZY | RTLD_LOCAL);  // a wheel's own
+  }
   if (library == nullptr) refuse_library();
   Netgen functions{};
   find(library, "_ZN5nglib7Ng_InitEv", functions.init);

@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "runtime/core/error.h"
+#include "runtime/core/file_problem.h"
 #include "shots/session/posed_clip.h"
 
 namespace bodyopt::viewport {
@@ -46,7 +47,9 @@ void Controls::attempt(const std::function<void()>& action) {
   } catch (const Error& error) {
     if (error.kind() == ErrorKind::device) throw;
     warn(error.what());
-  } catch (const std::exception& error) {  // of the libraries: memory, the file system
+  } catch (const std::filesystem::filesystem_error& error) {
+    warn(describe_refusal(error));
+  } catch (const std::exception& error) {  // of the libraries: memory
     warn(error.what());
   }
 }

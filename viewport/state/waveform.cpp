@@ -8,6 +8,7 @@
 
 #include "runtime/core/error.h"
 #include "runtime/core/file_kind.h"
+#include "runtime/core/file_problem.h"
 
 namespace bodyopt::viewport {
 namespace {
@@ -40,8 +41,7 @@ std::array<float, 2> Waveform::swing(double from, double to) const {
 
 Waveform read_waveform(const std::filesystem::path& path) {
   const auto refuse = [&](const std::string& problem) { throw Error(ErrorKind::file, path, ": ", problem); };
-  std::error_code absent;
-  if (!std::filesystem::is_regular_file(path, absent)) refuse("is not there, or no file: expected a WAV");
+  require_file(path);
   SF_INFO info{};
   const std::unique_ptr<SNDFILE, decltype(&sf_close)> file(sf_open(path.c_str(), SFM_READ, &info), &sf_close);
   if (!file) refuse(std::string("cannot be read as a sound: ") + sf_strerror(nullptr) + looks_like(path));
