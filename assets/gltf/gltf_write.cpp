@@ -170,8 +170,9 @@ void GlbWriter::write(const std::filesystem::path& path) {
 }
 
 bool may_be_replaced(const std::filesystem::path& path, const std::string& generator) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return true;  // a pipe would make its reader wait
   std::ifstream file(path, std::ios::binary);
-  if (!file) return true;
   std::string head(256, '\0');
   file.read(head.data(), static_cast<std::streamsize>(head.size()));
   return file.gcount() == 0 || head.find("\"generator\":\"" + generator) != std::string::npos;

@@ -12,7 +12,7 @@
 namespace bodyopt {
 namespace {
 
-constexpr std::uint64_t kLargestJson = 64 << 20, kLargestHeader = 16 << 20;  // bytes
+constexpr std::uint64_t kLargestJson = 64 << 20, kMostHeaderBytes = 16 << 20;  // bytes
 
 // "bodyopt-basis" of "bodyopt-basis-3".
 std::string_view without_version(std::string_view schema) { return schema.substr(0, schema.rfind('-')); }
@@ -22,7 +22,7 @@ std::string header_of(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::uint64_t length = 0;
   file.read(reinterpret_cast<char*>(&length), sizeof(length));
-  std::string header(file && length <= kLargestHeader ? length : 0, '\0');
+  std::string header(file && length <= kMostHeaderBytes ? length : 0, '\0');
   file.read(header.data(), static_cast<std::streamsize>(header.size()));
   return file ? header : "";
 }
