@@ -1,6 +1,7 @@
 #include "runtime/library/following_outputs.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 #include "runtime/library/guard.h"
@@ -20,8 +21,9 @@ void find_outputs(const bodyopt_skin& skin, const Attachments& attached, std::si
   const auto given = attached_outputs(skin.attached, skin.attached_count, attached, "skin.attached");
   outputs.assign(given.begin(), given.end());
   for (std::size_t m = 0; m < outputs.size(); ++m) {
-    const std::string name = concat("skin.attached[", m, "]");
-    check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, name.c_str());
+    char name[48];  // a string of this length would be allocated
+    std::snprintf(name, sizeof(name), "skin.attached[%zu]", m);
+    check_output(outputs[m], frames, attached.meshes[m].vertex_count(), 3, name);
   }
   if (std::ranges::all_of(outputs, [](const bodyopt_floats& output) { return output.data == nullptr; })) {
     outputs.clear();

@@ -195,7 +195,7 @@ TEST(Mujoco, IncludesAreReadOnceAndMissingOnesNoted) {
   expect_refused(read_path, folder / "loop.xml", replaced(whole, "<default>", "<include file=\"ping.xml\"/><default>"),
                  "a loop?");
   expect_refused(read_path, folder / "dir.xml", replaced(whole, "<default>", "<include file=\".\"/><default>"),
-                 "cannot be read");
+                 "is a folder");
 }
 
 TEST(Mujoco, AFailureNamesTheMissingIncludes) {
