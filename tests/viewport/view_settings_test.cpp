@@ -204,6 +204,9 @@ TEST_F(ViewSettingsTest, OtherFilesAndVersionsAreRefused) {
   testing::expect_refused(read_file, path_, R"({"schema": "bodyopt-jiggle-1"})", "bodyopt-view-1");
   testing::expect_refused(read_file, path_, "{}", "bodyopt-view-1");
   testing::expect_refused(read_file, path_, "glTF", "glTF");
+  EXPECT_THROW(write_view_settings({}, path_), Error);  // it stays
+  EXPECT_EQ(read_bytes(path_), "glTF");
+  std::filesystem::remove(path_);
   write_view_settings(RandomSettings(1).make(), path_);
   std::string text = read_bytes(path_);
   text.pop_back();  // the end of the last line is no loss
